@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 import hjsolve
 from benchmarks.closed_form_comparisons import FAR, Met, compare, condition, in_many_digits, taken
-from benchmarks.closed_form_draws import Reals, Table, constants_of, exact, ignorable, motions_of
+from benchmarks.closed_form_draws import Reals, Seeds, Table, constants_of, ends_of, exact, ignorable, motions_of
 from benchmarks.closed_form_quadratures import ULP, Quadratures
 from hjsolve.closed_form.closed_forms import closed_forms
 from hjsolve.closed_form.curves import W
@@ -38,8 +38,8 @@ from hjsolve.solution.quadratures import Solution
 
 DRAWN = 1024
 """Motions drawn with the same parameters."""
-DRAWS = 60
-"""Sets of parameters that are drawn at most."""
+DRAWS = 200
+"""Draws at most."""
 IDLE = 4
 """Sets of parameters without a motion that is wanted, after which the rest are not drawn."""
 MOST = 24
@@ -82,7 +82,7 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
         over = time.process_time() - begin > seconds or all(own.motions >= motions for own in met)
         if k and (over or idle >= IDLE):
             break
-        drawn = motions_of(solution, dice, k, DRAWN)
+        drawn = motions_of(solution, dice, k, DRAWN, _wanted(met, motions) if k % 2 else None)
         if drawn is None:
             continue
         table, others = drawn
@@ -96,11 +96,19 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
                 own.motions += len(kept)
                 if len(kept):
                     there, columns = taken(there, kept), {n: v[kept] for n, v in columns.items()}
+                    special = frozenset(constant.name for constant in own.form.regime.special)
+                    own.seeds = Seeds.of(solution, columns, there, special)
                     _cycles(own, there, columns)
                     if solution.coordinates:
                         _antiderivatives(own, there, columns, quadrature, dice)
         idle = 0 if sum(own.motions for own in met) > known else idle + 1
     return met
+
+
+def _wanted(met: Sequence[Met], motions: int) -> Seeds | None:
+    """Motions of the regime that fewest are known of, if one is known at all."""
+    few = [own for own in met if own.seeds is not None and own.motions < motions]
+    return min(few, key=lambda own: own.motions).seeds if few else None
 
 
 def _turns(solution: Solution, table: Table, others: Table) -> Iterator[tuple[Table, Table]]:
@@ -197,18 +205,24 @@ def _ends(own: Met, name: str, table: Table, others: Table, dice: np.random.Gene
     low, high = (
         np.where(np.isnan(others[n]), own.at(n, table) if n in own.functions else np.nan, others[n]) for n in sides
     )
+    coordinate = own.form.solution.system.coordinate(name)
+    at = {p.symbol: sp.Float(table[p.name][0], 17) for p in own.form.solution.system.parameters}
+    least, greatest = (None, None) if coordinate.domain.kind == "angle" else ends_of(coordinate, at)
+    if least is not None:  # the engine goes on through a pole, and forms end there: q turns back beyond it
+        low = np.where(low < least, np.nan, low)
+    if greatest is not None:
+        high = np.where(high > greatest, np.nan, high)
     start, stop = np.sort(dice.uniform(0.05, 0.95, (2, len(q))), axis=0)
     both, lower, upper = np.isfinite(low) & np.isfinite(high), np.isfinite(low), np.isfinite(high)
     first, second = q, q + (1 + abs(q)) * stop
-    domain = own.form.solution.system.coordinate(name).domain
-    if domain.kind == "angle":
+    if coordinate.domain.kind == "angle":
         second = q + (np.pi - q) * stop
-    elif domain.upper is not None:
-        at = {p.symbol: sp.Float(table[p.name][0], 17) for p in own.form.solution.system.parameters}
-        second = q + (float(sp.N(domain.upper.xreplace(at))) - q) * stop
+    elif greatest is not None:
+        second = q + (greatest - q) * stop
     with np.errstate(all="ignore"):
         first = np.where(lower, low + (q - low) * start, np.where(upper, q, first))
-        second = np.where(lower, q + (q - low) * stop, np.where(upper, q + (high - q) * stop, second))
+        beyond = np.where(lower, q + (q - low) * stop, np.where(upper, q + (high - q) * stop, second))
+        second = beyond if greatest is None else np.where(beyond < greatest, beyond, second)
         return np.where(both, low + (high - low) * start, first), np.where(both, low + (high - low) * stop, second)
 
 
@@ -282,10 +296,11 @@ def _inverses(
     if f"anomaly.{name}" in own.functions and "anomaly.t" in own.functions:
         there = {**given, "xi": dice.uniform(0.1, _FIRST, len(high))}
         q = own.at(f"anomaly.{name}", there)
-        back = quadrature.between(name, given, low, np.where(q > low, q, np.nan))
+        value, lost = quadrature.between(name, given, np.fmin(q, low), np.fmax(q, low))[E]
+        back = np.where(q > low, value, -value)
         with np.errstate(all="ignore"):
-            rate = abs(back[E][0] / (q - low))
-        compare(own, "anomaly.t", there, back[E][0], back[E][1] + FAR * ULP * abs(q) * rate, {})
+            rate = abs(back / (q - low))
+        compare(own, "anomaly.t", there, back, lost + FAR * ULP * abs(q) * rate, {})
 
 
 HEAD = (

@@ -12,13 +12,12 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from benchmarks.closed_form_campaign import FAULTS
-from benchmarks.closed_form_draws import Reals, Table, exact
+from benchmarks.closed_form_draws import Reals, Seeds, Table, exact
 from benchmarks.closed_form_quadratures import ULP
-from hjsolve.closed_form.complements import ForDoubles
+from hjsolve.closed_form.compiled_forms import CompiledRegime
 from hjsolve.closed_form.form_context import FormContext
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.numbers import _function, at_example
 
 FAR = 100
 """Units of the last place that a form in doubles may be off, at condition 1."""
@@ -62,23 +61,24 @@ class Met:
     form: RegimeForms
     context: FormContext
     motions: int = 0
+    seeds: Seeds | None = None
     rows: dict[str, Row] = field(default_factory=dict)
 
     @cached_property
-    def arrange(self) -> ForDoubles:
-        """As ``lambdify`` arranges forms for doubles."""
-        return ForDoubles(self.form.where, at_example(self.form, self.form.where))
+    def regime(self) -> CompiledRegime:
+        """As ``lambdify`` compiles forms for arrays."""
+        return CompiledRegime(self.form, numpy=True)
 
     @cached_property
     def inside(self) -> Callable[..., Any]:
         """A number at motions of the regime, nan at others."""
         places = [curve.coordinate.symbol for curve, _ in self.form.regime.regions]
-        return _function(self.form, sp.Add(*dict.fromkeys([*places, *self.form.regime.example])), self.arrange)
+        return self.regime.function(sp.Add(*dict.fromkeys([*places, *self.form.regime.example])))
 
     @cached_property
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Name of a form → it in doubles."""
-        return self.form.lambdify("numpy")
+        return {name: self.regime.function(expression) for name, expression in self.form.named().items()}
 
     @cached_property
     def angles(self) -> set[str]:
@@ -103,20 +103,25 @@ def taken(table: Mapping[str, Reals], kept: NDArray[np.int64]) -> Table:
 
 def condition(own: Met, name: str, given: Mapping[str, Reals], errors: Mapping[str, Reals]) -> tuple[Reals, Reals]:
     """Return Σ|x ∂f/∂x|, and Σ|δx ∂f/∂x|, by differences in doubles: the larger of both sides."""
-    shape = np.shape(next(iter(given.values())))
-    middle, size, moved = own.at(name, given), np.zeros(shape), np.zeros(shape)
-    for n in own.functions[name].names:  # type: ignore[attr-defined]
-        if n not in given:
-            continue
-        slopes = []
-        unit = np.fmax(abs(given[n]), 1.0) if n in own.angles else abs(given[n])
-        for side in (-1, 1):
-            step = side * _STEP * np.where(unit == 0, 1.0, unit)
-            slopes.append(abs((own.at(name, {**given, n: given[n] + step}) - middle) / step))
-        slope = np.fmax(*slopes)
-        size = size + np.nan_to_num(unit * slope)
-        moved = moved + np.nan_to_num(errors.get(n, np.zeros(shape)) * slope)
+    names = [n for n in own.functions[name].names if n in given]  # type: ignore[attr-defined]
+    (count,) = np.shape(next(iter(given.values())))
+    steps = {n: _STEP * np.where(given[n] == 0, 1.0, _unit(own, n, given[n])) for n in names}
+    # all arguments, a step to either side of each, in one call: roots and regimes are worked out for whole arrays
+    columns = {n: np.tile(v, 1 + 2 * len(names)).reshape(-1, count) for n, v in given.items()}
+    for k, n in enumerate(names):
+        columns[n][1 + 2 * k] -= steps[n]
+        columns[n][2 + 2 * k] += steps[n]
+    middle, *sides = own.at(name, {n: v.ravel() for n, v in columns.items()}).reshape(-1, count)
+    size, moved = np.zeros(count), np.zeros(count)
+    for k, n in enumerate(names):
+        slope = np.fmax(*(abs((side - middle) / steps[n]) for side in sides[2 * k : 2 * k + 2]))
+        size = size + np.nan_to_num(_unit(own, n, given[n]) * slope)
+        moved = moved + np.nan_to_num(errors.get(n, np.zeros(count)) * slope)
     return size, moved
+
+
+def _unit(own: Met, name: str, value: Reals) -> Reals:
+    return np.fmax(abs(value), 1.0) if name in own.angles else abs(value)
 
 
 def compare(

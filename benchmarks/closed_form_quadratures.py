@@ -56,8 +56,9 @@ class Quadratures:
         coarse, fine = (self._rule(name, table, low, high, panels) for panels in _PANELS)
         found = dict[sp.Symbol, tuple[Reals, Reals]]()
         for key, (value, lost, size) in fine.items():
-            off = abs(value - coarse[key][0])
-            claim = _SAFETY * off + lost
+            with np.errstate(invalid="ignore"):  # both are infinite where the motion is not
+                off = abs(value - coarse[key][0])
+                claim = _SAFETY * off + lost
             settled = (off <= _SETTLED * size) & np.isfinite(claim)
             found[key] = np.where(settled, value, np.nan), np.where(settled, claim, np.nan)
         return found

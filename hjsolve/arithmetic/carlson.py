@@ -278,10 +278,31 @@ def legendre_pi(n: Numbers, *arguments: Numbers) -> Doubles:
         arguments: m, or φ and m, as sympy's ``elliptic_pi`` takes them.
     """
     *φ, m = arguments
-    n, complement = np.asarray(n, dtype=float), 1 - np.asarray(m, dtype=float)
-    whole = carlson_rf(0, complement, 1) + n * carlson_rj(0, complement, 1, 1 - n) / 3
+    n, m = broadcast(n, m)
     if not φ:
-        return whole
+        return _third_kind(n, m, np.ones_like(m), np.zeros_like(m), 1 - m)
     turns, s, square, Δ, m = _reduced(φ[0], m)
-    third = n * s**3 * carlson_rj(square, Δ, 1, 1 - n * s * s) / 3
-    return s * carlson_rf(square, Δ, 1) + third + np.where(turns == 0, 0.0, 2 * turns * whole)
+    turning = turns != 0
+    whole = np.zeros(np.broadcast(turns, n, m).shape)
+    if np.any(turning):
+        whole = np.where(turning, 2 * turns * _third_kind(n, m, np.ones_like(m), np.zeros_like(m), 1 - m), 0.0)
+    return _third_kind(n, m, s, square, Δ) + whole
+
+
+def _third_kind(n: Doubles, m: Doubles, s: Doubles, square: Doubles, Δ: Doubles) -> Doubles:
+    """Π by sin φ, cos² φ and 1 − m sin² φ, −π/2 ≤ φ ≤ π/2.
+
+    F + n s³ R_J/3 cancels where n → −∞: Π is √|n| times less than F there. With N = (m − n)/(1 − n) between m and 1
+
+        Π(n) = ((1 − m)(−n) Π(N)/(1 − n) + m F)/(m − n) + √(−n/((1 − n)(m − n))) arctan(√(−n (m − n)/(1 − n)) s c/√Δ)
+
+    has positive terms (Abramowitz and Stegun 17.7.15 to 17.7.17); 1 − N s² = c² + s² (1 − m)/(1 − n).
+    """
+    first = s * carlson_rf(square, Δ, 1)
+    with np.errstate(all="ignore"):
+        far = (n < -1) & (m >= 0)
+        N = np.where(far, (m - n) / (1 - n), n)
+        pole = np.where(far, square + s * s * (1 - m) / (1 - n), 1 - n * s * s)
+        third = first + N * s**3 * carlson_rj(square, Δ, 1, pole) / 3
+        arc = np.sqrt(-n / ((1 - n) * (m - n))) * np.arctan(np.sqrt(-n * (m - n) / (1 - n)) * s * np.sqrt(square / Δ))
+        return np.where(far, ((1 - m) * (-n) / (1 - n) * third + m * first) / (m - n) + arc, third)

@@ -1,133 +1,246 @@
-"""The real roots of many polynomials at once, in doubles: by formulas to the fourth degree, then Newton's rule.
+"""The real roots of many polynomials at once, proved: how many there are, their order, and how far each may be off.
 
-A formula finds roots to about the rounding of the largest of them divided by how far apart they are; two steps of
-Newton's rule on the polynomial itself give the small ones their digits. Where roots nearly meet, or the steps did not
-settle, the answer says so and the caller takes more digits.
+Coefficients come in two doubles with bounds on their errors. Starts are eigenvalues of companion matrices, corrections
+those of Weierstrass, with the polynomial evaluated in two doubles,
 
-Press et al., Numerical Recipes (3rd ed. 2007), eqs. 5.6.10 to 5.6.17 (cubics: cosines, or one cube root); Ferrari's
-factors of a quartic, real ones by the largest root of the resolvent: Abramowitz and Stegun (1964), section 3.8.3.
+    Wᵢ = P(zᵢ) / (a ∏ⱼ (zᵢ − zⱼ)),        zᵢ ← zᵢ − Wᵢ,
+
+whose denominators are differences of doubles: they keep their digits where roots nearly meet, and P′ does not. Smith's
+theorem makes a proof of the last of them: the disks |z − zᵢ| ≤ n |Wᵢ| hold all roots, and m disks that are apart from
+the others hold m of them. So a disk about a real number that meets no other holds one root, which is real, since the
+conjugate of a root of a real polynomial is a root, too. Where disks meet, or one that is not centred on the real axis
+reaches it, nothing is proved, the answer says so, and the caller takes more digits.
+
+Weierstrass, Sitzungsber. Akad. Berlin (1891) 1085; Smith, J. ACM 17 (1970) 137, theorem 3; Bini and Fiorentino, Numer.
+Algorithms 23 (2000) 127.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-Doubles = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
-_MEETING = 1e-3
-"""Roots nearer than this part of the largest are found with more digits by the caller."""
-_REAL = 1e-8
-"""An imaginary part below this part of the largest root is rounding."""
-_SETTLED = 1e-9
-"""The second step of Newton's rule, by the root: what it leaves is of the order of its square."""
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair, two_product, two_sum
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
+
+_ROUNDS = 16
+"""Corrections at most: from starts with half of their digits three are enough, roots that nearly meet take ten."""
+_SETTLED = 0.75 * EPS
+"""A correction of a real root by its size, below which it is the rounding of the root, half a unit at most."""
+_ALONE = 1e-3
+"""An imaginary part below this part of the distance to the next root is none: a conjugate would be nearer than that."""
+_PAIRED = 0.125
+"""Half the distance of two roots by their middle, below which they are corrected together: m ± h loses no digits."""
+_OF_HORNER = 2.0**-98
+"""The error of one step of Horner's rule in two doubles, by what it adds: 2⁻¹⁰⁴ times a few, and ten to spare."""
+_OF_BOUNDS = 1 + 1e-10
+"""By which bounds are multiplied that were worked out in doubles themselves, with fewer than a thousand roundings."""
+_LOST = 1e-300
+"""More than what is lost where a coefficient is scaled below the least double."""
+_PAIRS = DoubleDouble()
 
 
-def real_roots(coefficients: Sequence[Doubles]) -> tuple[Doubles, Booleans]:
-    """Return the real roots, ascending, inf after the last.
+@dataclass(frozen=True)
+class RealRoots:
+    """The real roots of m polynomials of degree n.
 
-    And where neither their number nor their digits are certain.
+    Attributes:
+        roots: ascending, inf after the last, of shape (n, m).
+        errors: how far each may be off, of the same shape.
+        unsure: where neither number nor order are proved, of shape (m,).
+    """
+
+    roots: Reals
+    errors: Reals
+    unsure: Mask
+
+
+def real_roots(coefficients: Sequence[Pair], errors: Sequence[Reals]) -> RealRoots:
+    """Return the real roots of polynomials, and where they are not proved.
 
     Args:
-        coefficients: of the highest power first, arrays of one shape.
-
-    Returns:
-        Roots of shape (degree, *shape), right to a few roundings times their condition where they are certain; and
-        where they are not.
+        coefficients: of the highest power first, in two doubles, of one shape.
+        errors: how far each may be off.
     """
     with np.errstate(all="ignore"):
-        return _real_roots([np.asarray(c, dtype=float) for c in coefficients])
+        return _proved(coefficients, errors)
 
 
-def _real_roots(given: list[Doubles]) -> tuple[Doubles, Booleans]:
-    unit = size_of_roots(given)
-    degree = len(given) - 1
-    monic = [c / given[0] * unit**-k for k, c in enumerate(given)][1:]
-    unsure = ~np.isfinite(sum(abs(c) for c in monic))
-    monic = [np.where(unsure, float(k == degree - 1), c) for k, c in enumerate(monic)]
-    real, imaginary = _FORMULAS.get(degree, _eigenvalues)(monic)
-    size = np.sqrt((real**2 + imaginary**2).max(axis=0))
-    for one in range(degree):
+def _proved(coefficients: Sequence[Pair], errors: Sequence[Reals]) -> RealRoots:
+    shape = np.shape(coefficients[0].high)
+    high, low, off = (np.stack([np.ravel(part) for part in parts]) for parts in (
+        [c.high for c in coefficients], [c.low for c in coefficients], errors))  # fmt: skip
+    degree = len(high) - 1
+    # in x = λy the roots y are about 1 in size; powers of two scale without an error
+    power = np.rint(np.log2(size_of_roots(list(high)))).astype(np.int64)
+    moved = np.arange(degree, -1, -1)[:, None] * power
+    moved = moved - np.max(np.where(high == 0, -(2**30), np.frexp(high)[1] + moved), axis=0)
+    high, low, off = np.ldexp(high, moved), np.ldexp(low, moved), np.ldexp(off, moved)
+    known = np.isfinite(high).all(axis=0) & np.isfinite(off).all(axis=0) & (abs(high[0]) > off[0])
+    unit = np.where(np.arange(degree + 1) == 0, 1.0, 0.0)[:, None]
+    unit[-1] = -1.0  # any polynomial with simple roots, where there is none
+    P = _Polynomials(np.where(known, high, unit), np.where(known, low, 0.0), np.where(known, off, 0.0))
+    z, above = _corrected(P, _on_axis_where_alone(_starts(P)))
+    radius, error = _disks(P, z, above)
+    distance = _differences(z, np.inf)
+    real = z.imag == 0
+    apart = (abs(distance) > (radius[:, None] + radius[None]) * _OF_BOUNDS).all(axis=1)
+    proved = np.where(real, apart, abs(z.imag) > radius).all(axis=0) & np.isfinite(radius).all(axis=0) & known
+    values = np.where(real, z.real, np.inf)
+    order = np.argsort(values, axis=0)
+    roots = np.ldexp(np.take_along_axis(values, order, axis=0), power)
+    error = np.ldexp(np.take_along_axis(np.where(real, error, 0.0), order, axis=0), power)
+    return RealRoots(roots.reshape(degree, *shape), error.reshape(degree, *shape), ~proved.reshape(shape))
+
+
+@dataclass(frozen=True)
+class _Polynomials:
+    """Coefficients in two doubles and bounds on their errors, each of shape (degree + 1, m)."""
+
+    high: Reals
+    low: Reals
+    off: Reals
+
+    def __call__(self, z: Complexes) -> tuple[Complexes, Reals]:
+        """Return P at numbers of shape (n, m), and how far it may be off."""
+        size, place = np.broadcast_to(abs(self.high[0]), z.shape), abs(z)
+        off = np.broadcast_to(self.off[0], z.shape)
+        for c, own in zip(self.high[1:], self.off[1:], strict=True):
+            size, off = size * place + abs(c), off * place + own
+        value = np.empty(z.shape, dtype=complex)
+        real = z.imag == 0
+        root, column = np.nonzero(real)
+        value[real] = self._on_axis(z.real[root, column], column)
+        root, column = np.nonzero(~real)
+        value[~real] = self._in_plane(z[root, column], column)
+        return value, (off + (len(self.high) * _OF_HORNER) * size + _LOST) * _OF_BOUNDS
+
+    def _on_axis(self, x: Reals, column: NDArray[np.int64]) -> Reals:
+        total = Pair(self.high[0, column], self.low[0, column])
+        for high, low in zip(self.high[1:], self.low[1:], strict=True):
+            total = _PAIRS.add(_times(total, x), Pair(high[column], low[column]))
+        return np.asarray(total.high + total.low)
+
+    def _in_plane(self, z: Complexes, column: NDArray[np.int64]) -> Complexes:
+        x, y, zero = z.real, z.imag, np.zeros(len(z))
+        real, imaginary = Pair(self.high[0, column], self.low[0, column]), Pair(zero, zero)
+        for high, low in zip(self.high[1:], self.low[1:], strict=True):
+            turned = _PAIRS.sub(_times(real, x), _times(imaginary, y))
+            imaginary = _PAIRS.add(_times(real, y), _times(imaginary, x))
+            real = _PAIRS.add(turned, Pair(high[column], low[column]))
+        return np.asarray(real.high + 1j * imaginary.high)
+
+    def of(self, columns: Mask) -> _Polynomials:
+        """Return some of them."""
+        return _Polynomials(self.high[:, columns], self.low[:, columns], self.off[:, columns])
+
+
+def _times(a: Pair, x: Reals) -> Pair:
+    """Return a number in two doubles times a double."""
+    p, e = two_product(a.high, x)
+    return two_sum(p, e + a.low * x)
+
+
+def _differences(z: Complexes, same: float) -> Complexes:
+    """Return zᵢ − zⱼ, of shape (n, n, m), with a number in place of zᵢ − zᵢ."""
+    found = z[:, None] - z[None]
+    found[range(len(z)), range(len(z))] = same
+    return found
+
+
+def _starts(P: _Polynomials) -> Complexes:
+    """Eigenvalues of companion matrices: LAPACK balances them, so that roots of all sizes keep most of their digits."""
+    degree = len(P.high) - 1
+    companion = np.zeros((P.high.shape[1], degree, degree))
+    companion[:, range(1, degree), range(degree - 1)] = 1.0
+    companion[:, 0] = -(P.high[1:] / P.high[0]).T
+    z = np.ascontiguousarray(np.linalg.eigvals(companion).astype(complex).T)
+    zero = (P.high[-1] == 0) & (P.off[-1] == 0)  # P(0) = 0: corrections of relative size would never settle there
+    z[np.argmin(abs(z), axis=0)[zero], np.flatnonzero(zero)] = 0.0
+    for one in range(1, len(z)):  # starts that coincide would divide by zero
         for other in range(one):
-            apart = abs(real[one] - real[other]) + abs(imaginary[one] - imaginary[other])
-            unsure = unsure | ~(apart > _MEETING * size)
-    found = np.sort(np.where(abs(imaginary) <= _REAL * size, real, np.inf), axis=0)
-    there = np.isfinite(found)
-    roots = np.where(there, found, 0.0)
-    step = np.zeros_like(roots)
-    for _ in range(2):
-        value, slope = roots + monic[0], np.ones_like(roots)
-        for c in monic[1:]:
-            slope = slope * roots + value
-            value = value * roots + c
-        step = np.where(slope == 0, 0.0, value / slope)
-        roots = roots - step
-    unsure = unsure | (there & ~(abs(step) <= _SETTLED * size)).any(axis=0)
-    return np.where(there, roots * unit, np.inf), unsure
+            z[one] = np.where(z[one] == z[other], z[one] * (1 + 1e-9 * one) + 1e-12 * one, z[one])
+    return z
 
 
-def size_of_roots(coefficients: Sequence[Doubles]) -> Doubles:
-    """Return the geometric mean λ of the sizes of the roots: x/λ is about 1; 1 where a root is 0.
+def _on_axis_where_alone(z: Complexes) -> Complexes:
+    """Return the roots, real where no conjugate can be as near as its imaginary part says."""
+    nearest = abs(_differences(z, np.inf)).min(axis=1)
+    return np.where(abs(z.imag) <= _ALONE * nearest, z.real.astype(complex), z)
+
+
+def _corrected(P: _Polynomials, z: Complexes) -> tuple[Complexes, Reals]:
+    """Correct starts until corrections are roundings; return the roots, and bounds on abs(P) there."""
+    waiting, above = np.ones(z.shape[1], dtype=bool), np.full(z.shape, np.inf)
+    for turn in range(_ROUNDS + 1):
+        own, there = P.of(waiting), z[:, waiting]
+        value, off = own(there)
+        above[:, waiting] = (abs(value) + off) * _OF_BOUNDS
+        step = value / (own.high[0] * np.prod(_differences(there, 1.0), axis=1))
+        settled = (abs(step) <= np.where(there.imag == 0, _SETTLED, 4 * EPS) * abs(there)).all(axis=0)
+        left = ~settled & (turn < _ROUNDS)
+        if not left.any():
+            break
+        waiting[waiting] = left
+        there, step = there[:, left], step[:, left]
+        moved = there - np.where(np.isfinite(step), step, 0.0)
+        if turn:
+            moved = _nearest_pair(there, moved, step)
+        z[:, waiting] = _on_axis_where_alone(moved)
+    return z, above
+
+
+def _nearest_pair(z: Complexes, moved: Complexes, step: Complexes) -> Complexes:
+    """Correct the two roots that are nearest to each other together, where both are real or conjugates.
+
+    With d = (zᵢ − zⱼ)/2 and h from their middle, P/(a ∏ of the others) is h² + (Wᵢ + Wⱼ)h − d² + d(Wᵢ − Wⱼ) but for the
+    change of the others. Its roots are real or conjugates as those of P are; single corrections of two real numbers
+    would stay real for ever.
+    """
+    if len(z) < 2:
+        return moved
+    m = np.arange(z.shape[1])
+    i, j = np.unravel_index(np.argmin(abs(_differences(z, np.inf)).reshape(-1, len(m)), axis=0), (len(z), len(z)))
+    d, middle = (z[i, m] - z[j, m]) / 2, (z[i, m] + z[j, m]) / 2
+    half = (step[i, m] + step[j, m]) / 2
+    inside = half**2 + d**2 - d * (step[i, m] - step[j, m])
+    mirrored = (z[i, m].imag == -z[j, m].imag) & (abs(z[i, m].real - z[j, m].real) <= abs(d) * (z[i, m].imag == 0) * 2)
+    fits = mirrored & np.isfinite(inside) & (abs(half) < abs(middle)) & (abs(d) < _PAIRED * abs(middle))
+    root = np.sqrt(inside.real.astype(complex))
+    between = middle.real - half.real
+    moved[i, m] = np.where(fits, between + root, moved[i, m])
+    moved[j, m] = np.where(fits, between - root, moved[j, m])
+    return moved
+
+
+def _disks(P: _Polynomials, z: Complexes, above: Reals) -> tuple[Reals, Reals]:
+    """Return the radii of Smith's disks; and how far a root is from the middle of its own where disks do not meet.
+
+    ``above`` bounds abs(P(zᵢ)). There P(zᵢ) = a ∏ (zᵢ − ζⱼ), and |zᵢ − ζⱼ| ≥ |zᵢ − zⱼ| − rⱼ for the other roots ζⱼ.
+    """
+    leading = abs(P.high[0]) * (1 - EPS) - P.off[0]
+    distance = abs(_differences(z, np.inf))
+    distance[range(len(z)), range(len(z))] = 1.0
+    radius = len(z) * above / (leading * np.prod(distance, axis=1)) * _OF_BOUNDS
+    left = distance - radius[None]
+    left[range(len(z)), range(len(z))] = 1.0
+    return radius, np.where((left > 0).all(axis=1), above / (leading * np.prod(left, axis=1)) * _OF_BOUNDS, np.inf)
+
+
+def size_of_roots(coefficients: Sequence[Reals]) -> Reals:
+    """Return the geometric mean of the sizes of the roots that are not 0.
 
     Args:
         coefficients: of the highest power first, arrays of one shape.
     """
-    ratio = abs(coefficients[-1] / np.where(coefficients[0] == 0, 1.0, coefficients[0]))
-    return np.where((ratio > 0) & np.isfinite(ratio), ratio, 1.0) ** (1 / (len(coefficients) - 1))
-
-
-def _linear(monic: Sequence[Doubles]) -> tuple[Doubles, Doubles]:
-    (b,) = monic
-    return -b[None], np.zeros_like(b)[None]
-
-
-def _quadratic(monic: Sequence[Doubles]) -> tuple[Doubles, Doubles]:
-    b, c = monic
-    inside = b**2 / 4 - c
-    width = np.sqrt(abs(inside))
-    far = -b / 2 - np.copysign(np.where(inside >= 0, width, 0.0), b)
-    near = np.where(inside >= 0, np.where(far == 0, 0.0, c / np.where(far == 0, 1.0, far)), far)
-    imaginary = np.where(inside >= 0, 0.0, width)
-    return np.stack([far, near]), np.stack([imaginary, -imaginary])
-
-
-def _cubic(monic: Sequence[Doubles]) -> tuple[Doubles, Doubles]:
-    a, b, c = monic
-    Q, R = (a**2 - 3 * b) / 9, (2 * a**3 - 9 * a * b + 27 * c) / 54
-    three = R**2 < Q**3
-    spread = np.sqrt(np.where(three, Q, 1.0))
-    angle = np.arccos(np.clip(np.where(three, R, 0.0) / spread**3, -1, 1)) / 3
-    A = -np.copysign(np.cbrt(abs(R) + np.sqrt(np.where(three, 0.0, R**2 - Q**3))), R)
-    B = np.where(A == 0, 0.0, Q / np.where(A == 0, 1.0, A))
-    turns = [angle, angle + 2 * np.pi / 3, angle - 2 * np.pi / 3]
-    alone = [A + B, -(A + B) / 2, -(A + B) / 2]
-    aside = np.where(three, 0.0, np.sqrt(3) / 2 * (A - B))
-    real = [np.where(three, -2 * spread * np.cos(t), r) - a / 3 for t, r in zip(turns, alone, strict=True)]
-    return np.stack(real), np.stack([np.zeros_like(aside), aside, -aside])
-
-
-def _quartic(monic: Sequence[Doubles]) -> tuple[Doubles, Doubles]:
-    a, b, c, d = monic
-    p = b - 3 * a**2 / 8
-    q = c - a * b / 2 + a**3 / 8
-    r = d - a * c / 4 + a**2 * b / 16 - 3 * a**4 / 256
-    real, imaginary = _cubic([2 * p, p**2 - 4 * r, -(q**2)])
-    z = np.maximum(np.where(imaginary == 0, real, -np.inf).max(axis=0), 0.0)
-    s, w = np.sqrt(z), np.copysign(np.sqrt(np.maximum((p + z) ** 2 - 4 * r, 0.0)), q)
-    first, second = _quadratic([s, (p + z - w) / 2]), _quadratic([-s, (p + z + w) / 2])
-    return np.concatenate([first[0], second[0]]) - a / 4, np.concatenate([first[1], second[1]])
-
-
-def _eigenvalues(monic: Sequence[Doubles]) -> tuple[Doubles, Doubles]:
-    degree = len(monic)
-    companion = np.zeros((*monic[0].shape, degree, degree))
-    companion[..., range(1, degree), range(degree - 1)] = 1.0
-    for k, c in enumerate(monic):
-        companion[..., 0, k] = -c
-    roots = np.moveaxis(np.linalg.eigvals(companion).astype(complex), -1, 0)
-    return roots.real.copy(), roots.imag.copy()
-
-
-_FORMULAS = {1: _linear, 2: _quadratic, 3: _cubic, 4: _quartic}
+    degree = len(coefficients) - 1
+    found = np.ones_like(coefficients[0])
+    for k in range(1, degree + 1):  # the last coefficient that is not zero
+        ratio = abs(coefficients[k] / np.where(coefficients[0] == 0, 1.0, coefficients[0]))
+        found = np.where((ratio > 0) & np.isfinite(ratio), ratio ** (1 / k), found)
+    return found

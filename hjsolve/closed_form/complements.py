@@ -13,7 +13,7 @@ import mpmath
 import sympy as sp
 from sympy.core.relational import Relational
 
-from hjsolve.closed_form.arcs import arcs_by_tangents
+from hjsolve.closed_form.arcs import arcs_by_tangents, radicands_of
 from hjsolve.closed_form.common_factors import grouped
 from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
 from hjsolve.closed_form.pairs_by_division import deflated_pair, remaining_pair
@@ -29,11 +29,15 @@ class ForDoubles:
     Args:
         where: symbol → its definition.
         example: symbol → its value at a motion of the regime, of constants and of names: signs and order are its.
+        forms: of the regime, whose radicands arcs are written by.
     """
 
-    def __init__(self, where: Where, example: Mapping[sp.Symbol, mpmath.mpf]):
+    def __init__(self, where: Where, example: Mapping[sp.Symbol, mpmath.mpf], forms: Iterable[sp.Expr] = ()):
         self.where, self._integrals = where, CompleteIntegrals(where, example)
         self._roots = {s: value for s, value in example.items() if isinstance(where.get(s), tuple)}
+        plain = [meaning for meaning in where.values() if not isinstance(meaning, tuple)]
+        self._radicands = radicands_of([*forms, *plain])
+        self._known = dict[sp.Expr, sp.Expr]()  # definitions that several forms rest on are arranged once
 
     def form(self, expression: sp.Expr) -> sp.Expr:
         """Return an equal expression that loses fewer digits.
@@ -41,9 +45,14 @@ class ForDoubles:
         Args:
             expression: of a form, or a definition.
         """
+        if expression not in self._known:
+            self._known[expression] = self._arranged(expression)
+        return self._known[expression]
+
+    def _arranged(self, expression: sp.Expr) -> sp.Expr:
         made = self._integrals.arranged(expression)
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
-        plain = arcs_by_tangents(made.xreplace(conditions), self.where)
+        plain = arcs_by_tangents(made.xreplace(conditions), self.where, self._radicands)
         plain = plain.xreplace(_gaps(plain, self.where, self._roots))
         plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := _small(a)) is not a})
         return plain.xreplace({name: c for c, name in conditions.items()})

@@ -1,276 +1,314 @@
-"""The regime of many constants at once, in doubles: how the real roots of P lie in the domain, by Sturm's sequences.
+"""The regime of many constants at once: how the real roots of P lie in the domain, and where a place is among them.
 
-A sequence counts the real roots between two places from signs alone, for whole arrays. Where a sign is not certain in
-doubles the element is left to ``regions.region_exists``, which has 50 digits. Roots that P has at an end of the domain
-for all constants (cos θ = ±1) are divided out exactly.
-
-Basu, Pollack, Roy, Algorithms in real algebraic geometry (2006), theorem 2.50 (Sturm).
+All numbers of a test come from one tape in two doubles with running errors, and roots with disks that prove them real
+and in order (``arithmetic.polynomial_roots``), so that an answer is a proof. Where a disk straddles another, an end of
+the domain or the place, the element is left to ``regions``, which has 50 digits. Roots that P has at an end of the
+domain for all constants (cos θ = ±1) are divided out exactly.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cached_property
 
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from hjsolve.arithmetic.polynomial_roots import real_roots, size_of_roots
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.arithmetic.polynomial_roots import RealRoots, real_roots
+from hjsolve.arithmetic.running_error import SECOND_ORDER, RunningError, WithErrorBound
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.regions import RootInterval
-from hjsolve.functions import modules
+from hjsolve.errors import InvalidInputError
+from hjsolve.lowering import lower
 
-Doubles = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
-_NEAR = 0.25
-"""How far from ±1, the ends of a cosine, a root may be that is sought from there."""
-_AT_END = 1e-12
-"""In units of the coordinate, how far beyond an end of the domain a place may be by its rounding."""
-_UNSURE = 1e-8
-"""Below this part of what it is a sum of, a number has no certain sign."""
-
-
-@dataclass(frozen=True)
-class RegionTest:
-    """Whether a region between roots exists, for arrays of constants.
-
-    Attributes:
-        numbers: arrays of the symbols ↦ the coefficients of what is left of P, and the ends of the domain.
-        at_ends: whether P has a root at the lower end, and at the upper, for all constants.
-        region: the region.
-    """
-
-    numbers: Callable[..., list[Doubles]]
-    at_ends: tuple[bool, bool]
-    region: RootInterval
-
-    def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Booleans, Booleans]:
-        """Return where the region exists, and where that is not certain in doubles.
-
-        Args:
-            places: arrays of the symbols.
-            shape: of the arrays.
-        """
-        *coefficients, low, high = (np.broadcast_to(np.asarray(v, dtype=float), shape) for v in self.numbers(*places))
-        coefficients, unit = _of_size_one(coefficients)
-        low, high = low / unit, high / unit
-        sequence, unsure = _sturm(coefficients)
-        everywhere = [np.full(shape, -np.inf), low, high, np.full(shape, np.inf)]
-        changes = []
-        for there in everywhere:
-            count, doubtful = _changes(sequence, there)
-            changes.append(count)
-            unsure = unsure | doubtful
-        below, inside, above = (a - b for a, b in pairwise(changes))
-        first = below + self.at_ends[0]
-        total = first + inside + self.at_ends[1] + above
-        start = self.region.lower[1] if self.region.lower[0] == "root" else first - 1
-        stop = self.region.upper[1] if self.region.upper[0] == "root" else first + inside
-        exists = (total == len(self.region.roots)) & (stop == start + 1)
-        if self.region.lower[0] == "root":
-            exists = exists & (start >= first) & (start < first + inside)
-        if self.region.upper[0] == "root":
-            exists = exists & (stop >= first) & (stop < first + inside)
-        # the leading coefficient of the whole of P, and the roots above the region, give its sign there
-        sign = np.sign(coefficients[0]) * np.where((total - 1 - start) % 2 == 0, 1, -1)
-        return exists & (sign > 0), unsure
+Table = Mapping[sp.Symbol, Reals]
+"""Symbol → its values, arrays of one shape."""
+_PAIRS = RunningError(DoubleDouble(), own=8, bits=102)
+"""Two doubles with bounds: an operation is right to four units of 2⁻¹⁰⁴, an elementary function to 2⁻¹⁰⁰."""
+_TOLERANCE = 1e-12
+"""In units of the coordinate, how far beyond a turning point a place may be by its rounding, as in ``regions``."""
+_EDGE = 1e-3
+"""About the edge of that tolerance, in units of it, 50 digits decide."""
+_ROUNDED = 4 * 2.0**-52
+"""How far a root may be off, by its size, to be one with all its digits."""
+_SPARE = 1e-25
+"""Leading coefficients below this part of the greatest, and roots as near, are none in ``regions``: it decides."""
 
 
-def region_test(curve: MomentumCurve, region: RootInterval, symbols: Sequence[sp.Symbol]) -> RegionTest | None:
-    """Prepare the test; None where the coordinate may come to rest between roots, which it does not look for.
+class FormulasForArrays:
+    """FormulasForArrays of constants and places for arrays, in two doubles with bounds on their errors.
 
     Args:
-        curve: whose P.
-        region: the region.
-        symbols: in the order of the arrays.
-    """
-    prepared = _without_ends(curve)
-    if prepared is None:
-        return None
-    rest, at_ends = prepared
-    formulas = [*rest.all_coeffs(), curve.substitution.lower, curve.substitution.upper]
-    return RegionTest(sp.lambdify(list(symbols), formulas, modules=modules("numpy"), cse=True), at_ends, region)
-
-
-def _without_ends(curve: MomentumCurve) -> tuple[sp.Poly, tuple[bool, bool]] | None:
-    """P without the roots that it has at the ends of the domain for all constants, and whether it has those."""
-    x, s = curve.x, curve.substitution
-    if sp.numer(sp.together(curve.square)).has(x):
-        return None
-    rest, at_ends = curve.polynomial, []
-    for end in (s.lower, s.upper):
-        there = bool(end.is_finite and sp.cancel(sp.together(curve.polynomial.as_expr().subs(x, end))) == 0)
-        if there:
-            rest = sp.quo(rest, sp.Poly(x - end, x))
-        at_ends.append(there)
-    if rest.degree() == 0:
-        rest = sp.Poly(x**2 + 1, x)  # like a constant it has no real root
-    return rest, (at_ends[0], at_ends[1])
-
-
-@dataclass(frozen=True)
-class PlaceTest:
-    """Whether a place is in a region that exists, for arrays.
-
-    Attributes:
-        numbers: arrays of the symbols ↦ coefficients of what is left of P, the ends of the values of x, x, how far the
-            place is from the middle of the turn, and how far it is inside the ends of the domain.
-        at_end: whether P has a root at the lower end for all constants.
-        region: the region.
+        formulas: in order.
     """
 
-    numbers: Callable[..., list[Doubles]]
-    at_end: bool
-    region: RootInterval
+    def __init__(self, formulas: Sequence[sp.Expr]):
+        self.symbols = sorted(set[sp.Symbol]().union(*(f.free_symbols for f in formulas)), key=str)
+        self.tape: Tape = lower(formulas, self.symbols)
 
-    def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Booleans, Booleans]:
-        """Return where the place is in the region, and where that is not certain in doubles.
+    def __call__(self, table: Table, shape: tuple[int, ...]) -> list[tuple[Pair, Reals]]:
+        """Return each formula and how far it may be off.
 
         Args:
-            places: arrays of the symbols.
+            table: values of the symbols.
             shape: of the arrays.
         """
-        given = (np.broadcast_to(np.asarray(v, dtype=float), shape) for v in self.numbers(*places))
-        *coefficients, low, high, x, away, after, before = given
-        coefficients, unit = _of_size_one(coefficients)
-        sequence, unsure = _sturm(coefficients)
-        far, doubtful = _changes(sequence, np.full(shape, -np.inf))
-        here, beside = _changes(sequence, x / unit)
-        below, _ = _changes(sequence, low / unit)
-        start = self.region.lower[1] if self.region.lower[0] == "root" else far - below + self.at_end - 1
-        unsure = unsure | doubtful | beside | ~np.isfinite(x) | (abs(abs(away) - np.pi) < _UNSURE)
-        inside = (far - here + self.at_end == start + 1) & (low <= x) & (x <= high) & (abs(away) <= np.pi)
-        inside &= (after >= -_AT_END) & (before >= -_AT_END)
-        return inside, unsure
+        zero = np.zeros(shape)
+        given = [WithErrorBound(Pair(np.asarray(table[s], dtype=float) + zero, zero)) for s in self.symbols]
+        with np.errstate(all="ignore"):
+            results = self.tape.run(_PAIRS, given)
+            return [
+                (Pair(r.value.high + zero, r.value.low + zero), zero if r.error is None else self._bound(r.error, zero))
+                for r in results
+            ]
+
+    @staticmethod
+    def _bound(error: Pair, zero: Reals) -> Reals:
+        found = SECOND_ORDER * abs(error.high) + zero
+        return np.where(np.isnan(found), np.inf, found)
 
 
-def place_test(
-    curve: MomentumCurve, region: RootInterval, place: sp.Symbol, symbols: Sequence[sp.Symbol]
-) -> PlaceTest | None:  # fmt: skip
-    """Prepare the test; None where it is left to 50 digits.
+def _half_angle(y: sp.Expr, x: sp.Expr) -> sp.Expr:
+    """Return atan2(y, x) by the tangent of its half, 2 arctan y/(r + x): where r + x cancels, its bound is wide."""
+    return 2 * sp.atan(y / (sp.sqrt(x**2 + y**2) + x))
+
+
+def formulas_of(expressions: Sequence[sp.Expr]) -> FormulasForArrays | None:
+    """Prepare formulas; None where one has no numbers in two doubles.
 
     Args:
-        curve: whose P.
-        region: the region.
-        place: the symbol of the place: a coordinate, or a lower limit.
-        symbols: in the order of the arrays.
+        expressions: the formulas.
     """
-    prepared = _without_ends(curve)
-    if prepared is None:
+    try:
+        return FormulasForArrays([e.replace(sp.atan2, _half_angle) for e in expressions])
+    except InvalidInputError:
         return None
-    rest, at_ends = prepared
-    s = curve.substitution
-    x = s.place.subs(curve.coordinate.symbol, place)
-    away = 2 * sp.pi * (place - s.inverse.subs(s.x, 0)) / s.turn if s.closed else sp.S.Zero  # in parts of a turn
-    first, last = (-sp.oo, sp.oo) if s.closed else curve.ends
-    formulas = [*rest.all_coeffs(), s.lower, s.upper, x, away, place - first, last - place]
-    return PlaceTest(sp.lambdify(list(symbols), formulas, modules=modules("numpy"), cse=True), at_ends[0], region)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RootsOfPolynomial:
     """The real roots of a polynomial for arrays of constants.
 
-    Next to a place c where P(c) is one term, roots are c + y, y a root of P(c + y), whose last coefficient that is: two
-    roots on either side of a pole have all their digits, where those of P as it stands lose half of them.
-
     Attributes:
-        coefficients: arrays of the symbols ↦ coefficients of the polynomial.
-        shifted: places c, and the same of P(c + y).
+        coefficients: of the highest power first.
     """
 
-    coefficients: Callable[..., list[Doubles]]
-    shifted: tuple[tuple[float, Callable[..., list[Doubles]]], ...] = ()
+    coefficients: FormulasForArrays
 
-    def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Doubles, Booleans]:
-        """Return the real roots, ascending, inf after the last; and where they are not certain.
+    def __call__(self, table: Table, shape: tuple[int, ...]) -> tuple[RealRoots, Reals]:
+        """Return the real roots, and the coefficient of the highest power, whose sign is certain where roots are.
 
         Args:
-            places: arrays of the symbols.
+            table: values of the symbols.
             shape: of the arrays.
         """
-        roots, unsure = _real_roots(self.coefficients, places, shape)
-        nearest = np.full(roots.shape, _NEAR)
-        for c, coefficients in self.shifted:
-            away, doubtful = _real_roots(coefficients, places, shape)
-            same = np.all(np.isfinite(away) == np.isfinite(roots), axis=0) & ~doubtful
-            better = same & (abs(away) < nearest)
-            roots, nearest = np.where(better, c + away, roots), np.where(better, abs(away), nearest)
-        return roots, unsure
+        found = self.coefficients(table, shape)
+        roots = real_roots([value for value, _ in found], [off for _, off in found])
+        size = np.max([abs(value.high) for value, _ in found], axis=0)
+        with np.errstate(all="ignore"):
+            gaps = np.diff(np.where(np.isfinite(roots.roots), roots.roots, np.nan), axis=0)
+            widest = np.max(abs(np.where(np.isfinite(roots.roots), roots.roots, 0.0)), axis=0)
+            close = (gaps <= 2 * _SPARE * widest).any(axis=0)
+            few = abs(found[0][0].high) <= 2 * _SPARE * size
+        leading = np.asarray(found[0][0].high)
+        return RealRoots(roots.roots, roots.errors, roots.unsure | close | few), leading
+
+    def once(self, table: Table, shape: tuple[int, ...], solved: Solved) -> tuple[RealRoots, Reals]:
+        """Return the same, from ``solved`` where it is there.
+
+        Args:
+            table: values of the symbols.
+            shape: of the arrays.
+            solved: roots that were found for these arrays.
+        """
+        if self not in solved:
+            solved[self] = self(table, shape)
+        return solved[self]
+
+    def rounded(self, table: Table, shape: tuple[int, ...], solved: Solved) -> tuple[Reals, Mask]:
+        """Return the real roots, ascending, inf after the last; and where they do not have all their digits.
+
+        Args:
+            table: values of the symbols.
+            shape: of the arrays.
+            solved: roots that were found for these arrays.
+        """
+        found, _ = self.once(table, shape, solved)
+        return found.roots, found.unsure | (found.errors > _ROUNDED * abs(found.roots)).any(axis=0)
 
 
-def _real_roots(
-    coefficients: Callable[..., list[Doubles]], places: Sequence[Doubles], shape: tuple[int, ...]
-) -> tuple[Doubles, Booleans]:  # fmt: skip
-    return real_roots([np.broadcast_to(np.asarray(c, dtype=float), shape) for c in coefficients(*places)])
+Solved = dict[RootsOfPolynomial, tuple[RealRoots, Reals]]
+"""Roots that were found for some arrays: regimes and forms ask for the same ones."""
 
 
-def roots_of(polynomial: sp.Poly, symbols: Sequence[sp.Symbol]) -> RootsOfPolynomial:
-    """Prepare the roots of a polynomial.
+def roots_of(polynomial: sp.Poly) -> RootsOfPolynomial | None:
+    """Prepare the roots of a polynomial; None where its coefficients have no numbers in two doubles.
 
     Args:
         polynomial: whose roots.
-        symbols: in the order of the arrays.
     """
-    known = modules("numpy")
-    shifted = []
-    for c in (-1, 1):
-        if (last := sp.factor(polynomial.eval(c))) != 0 and not last.is_Add:
-            moved = [sp.factor(k) for k in polynomial.compose(sp.Poly(polynomial.gen + c, polynomial.gen)).all_coeffs()]
-            shifted.append((float(c), sp.lambdify(list(symbols), moved, modules=known, cse=True)))
-    plain = sp.lambdify(list(symbols), polynomial.all_coeffs(), modules=known, cse=True)
-    return RootsOfPolynomial(plain, tuple(shifted))
+    coefficients = formulas_of(polynomial.all_coeffs())
+    return None if coefficients is None else RootsOfPolynomial(coefficients)
 
 
-def _of_size_one(coefficients: list[Doubles]) -> tuple[list[Doubles], Doubles]:
-    """Return the polynomial in x/λ, whose roots are about 1 in size; and λ."""
-    degree, unit = len(coefficients) - 1, size_of_roots(coefficients)
-    return [c * unit ** (degree - k) for k, c in enumerate(coefficients)], unit
+class CurveForArrays:
+    """P of a coordinate, without the roots that it has at ends of the domain for all constants.
+
+    Args:
+        curve: whose P.
+    """
+
+    def __init__(self, curve: MomentumCurve):
+        self.curve = curve
+
+    @cached_property
+    def without_ends(self) -> tuple[sp.Poly, tuple[bool, bool]]:
+        """What is left of P, and whether it has a root at the lower end, and at the upper, for all constants."""
+        x, s, rest = self.curve.x, self.curve.substitution, self.curve.polynomial
+        at_ends = []
+        for end in (s.lower, s.upper):
+            there = bool(end.is_finite and sp.cancel(sp.together(rest.as_expr().subs(x, end))) == 0)
+            if there:
+                rest = sp.quo(rest, sp.Poly(x - end, x))
+            at_ends.append(there)
+        if rest.degree() == 0:
+            rest = sp.Poly(rest.LC() * (x**2 + 1), x)  # like a constant it has no real root, and its sign
+        return rest, (at_ends[0], at_ends[1])
+
+    @cached_property
+    def roots(self) -> RootsOfPolynomial | None:
+        """Of what is left; None where the coordinate may come to rest between them, which is not looked for."""
+        rests = sp.numer(sp.together(self.curve.square)).has(self.curve.x)
+        return None if rests else roots_of(self.without_ends[0])
+
+    @cached_property
+    def ends(self) -> FormulasForArrays | None:
+        """The finite ends of the domain; None where one has no number in two doubles."""
+        s = self.curve.substitution
+        return formulas_of([end for end in (s.lower, s.upper) if end.is_finite])
+
+    def roots_like(self, polynomial: sp.Poly) -> RootsOfPolynomial | None:
+        """Return the roots of what is left of P, if it is a multiple of a polynomial; else None.
+
+        Args:
+            polynomial: any.
+        """
+        own, _ = self.without_ends
+        if self.roots is None or own.degree() != polynomial.degree():
+            return None
+        there = polynomial.as_expr().subs(polynomial.gen, own.gen)
+        return self.roots if sp.expand(there * own.LC() - own.as_expr() * polynomial.LC()) == 0 else None
+
+    def at(self, table: Table, shape: tuple[int, ...], solved: Solved) -> RootsInDomain | None:
+        """Return how the roots lie in the domain; None where it is left to 50 digits.
+
+        Args:
+            table: values of the symbols.
+            shape: of the arrays.
+            solved: roots that were found for these arrays.
+        """
+        if self.roots is None or self.ends is None:
+            return None
+        s, finite = self.curve.substitution, iter(self.ends(table, shape))
+        ends = list[tuple[Reals, Reals]]()
+        for end, far in ((s.lower, -np.inf), (s.upper, np.inf)):
+            if end.is_finite:
+                value, off = next(finite)
+                ends.append((np.asarray(value.high), off + abs(value.low)))
+            else:
+                ends.append((np.full(shape, far), np.zeros(shape)))
+        roots, leading = self.roots.once(table, shape, solved)
+        return RootsInDomain(roots, leading, (ends[0], ends[1]), self.without_ends[1])
+
+    def place(self, symbol: sp.Symbol) -> FormulasForArrays | None:
+        """Return a place, its x, and how far it is inside the ends of the domain, or of the turn.
+
+        Args:
+            symbol: of the place: the coordinate, or a lower limit.
+        """
+        s, (first, last) = self.curve.substitution, self.curve.ends
+        x = s.place.subs(self.curve.coordinate.symbol, symbol)
+        if s.closed:
+            return formulas_of([symbol, x, s.turn / 2 - sp.Abs(symbol - s.inverse.subs(s.x, 0))])
+        inside = [a for a, end in ((symbol - first, first), (last - symbol, last)) if end.is_finite]
+        return formulas_of([symbol, x, *inside])
 
 
-def _sturm(coefficients: list[Doubles]) -> tuple[list[list[Doubles]], Booleans]:
-    """P, P′ and the remainders with signs, each of size 1; and where one of them is too small to be sure of."""
-    degree = len(coefficients) - 1
-    size = np.max([abs(c) for c in coefficients], axis=0)
-    first, unsure = _scaled([c / size for c in coefficients])
-    second, doubtful = _scaled([(degree - k) * c for k, c in enumerate(first[:-1])])
-    sequence, unsure = [first, second], unsure | doubtful
-    while len(sequence[-1]) > 1:
-        above, below = [*sequence[-2]], sequence[-1]
-        for k in range(len(above) - len(below) + 1):
-            factor = above[k] / below[0]
-            for j, c in enumerate(below):
-                above[k + j] = above[k + j] - factor * c
-        remainder, doubtful = _scaled([-c for c in above[len(sequence[-2]) - len(below) + 1 :]])
-        sequence.append(remainder)
-        unsure = unsure | doubtful
-    return sequence, unsure
+@dataclass(frozen=True)
+class RootsInDomain:
+    """How the roots of P lie in the domain, for arrays of constants.
 
+    Attributes:
+        roots: of P without those at the ends for all constants.
+        leading: the coefficient of its highest power.
+        ends: of the values of x, lower and upper, each with how far it may be off.
+        at_ends: whether P has a root at the lower end, and at the upper, for all constants.
+    """
 
-def _scaled(coefficients: list[Doubles]) -> tuple[list[Doubles], Booleans]:
-    """Return coefficients by the greatest of them; where the leading one is nearly nothing."""
-    size = np.max([abs(c) for c in coefficients], axis=0)
-    scaled = [c / size for c in coefficients]
-    return scaled, ~(abs(scaled[0]) > _UNSURE) | ~(size > _UNSURE)
+    roots: RealRoots
+    leading: Reals
+    ends: tuple[tuple[Reals, Reals], tuple[Reals, Reals]]
+    at_ends: tuple[bool, bool]
 
+    def has(self, region: RootInterval) -> tuple[Mask, Mask]:
+        """Return where a region exists, and where that is not certain.
 
-def _changes(sequence: list[list[Doubles]], there: Doubles) -> tuple[NDArray[np.int64], Booleans]:
-    """Return how often the sign changes along a sequence at a place, and where a sign is not certain."""
-    finite = np.isfinite(there)
-    place = np.where(finite, there, 0.0)
-    count, former = np.zeros(there.shape, dtype=np.int64), None
-    unsure = np.zeros(there.shape, dtype=bool)
-    for polynomial in sequence:
-        value, size = np.zeros(there.shape), np.zeros(there.shape)
-        for c in polynomial:
-            value, size = value * place + c, size * abs(place) + abs(c)
-        odd = (len(polynomial) - 1) % 2 == 1
-        far = polynomial[0] * np.where(there < 0, -1.0 if odd else 1.0, 1.0)
-        unsure = unsure | (finite & ~(abs(value) > _UNSURE * size))
-        sign = np.sign(np.where(finite, value, far))
-        if former is not None:
-            count = count + (sign != former)
-        former = sign
-    return count, unsure
+        Args:
+            region: between roots and ends, by their numbers.
+        """
+        below, first_doubt = self._count_below(*self.ends[0])
+        not_above, last_doubt = self._count_below(*self.ends[1])
+        count, inside = np.isfinite(self.roots.roots).sum(axis=0), not_above - below
+        first, total = below + self.at_ends[0], count + self.at_ends[0] + self.at_ends[1]
+        start = region.lower[1] if region.lower[0] == "root" else first - 1
+        stop = region.upper[1] if region.upper[0] == "root" else first + inside
+        exists = (total == len(region.roots)) & (stop == start + 1)
+        if region.lower[0] == "root":
+            exists = exists & (start >= first) & (start < first + inside)
+        if region.upper[0] == "root":
+            exists = exists & (stop >= first) & (stop < first + inside)
+        # the leading coefficient of the whole of P, and the roots above the region, give its sign there
+        sign = np.sign(self.leading) * np.where((total - 1 - start) % 2 == 0, 1, -1)
+        return exists & (sign > 0), self.roots.unsure | first_doubt | last_doubt
+
+    def _count_below(self, there: Reals, off: Reals) -> tuple[NDArray[np.int64], Mask]:
+        """Return how many roots are below a place, and where a root may be on either side of it."""
+        known = np.isfinite(self.roots.roots)
+        apart = np.where(known, self.roots.roots, 0.0) - there
+        spacing = 2 * _SPARE * (1 + abs(np.where(known, self.roots.roots, 0.0)))
+        doubt = known & (abs(apart) <= self.roots.errors + off + spacing)
+        return (known & (apart < 0)).sum(axis=0), np.asarray(doubt.any(axis=0))
+
+    def holds(self, region: RootInterval, place: list[tuple[Pair, Reals]]) -> tuple[Mask, Mask]:
+        """Return where a place is in a region that exists, turning points among it, and where that is not certain.
+
+        Args:
+            region: between roots and ends, by their numbers.
+            place: what ``CurveForArrays.place`` says of it.
+        """
+        (q, _), (x, x_off), *within = place
+        tolerance = _TOLERANCE * (1 + abs(np.asarray(q.high)))
+        wide = tolerance * (1 + abs(x.high))
+        (begin, begin_off), (stop, stop_off) = self._side(region.lower, 0), self._side(region.upper, 1)
+        distances = [(np.asarray(w.high), off, tolerance) for w, off in within]
+        distances += [(x.high - begin, x_off + begin_off, wide), (stop - x.high, x_off + stop_off, wide)]
+        inside, unsure = np.ones(self.leading.shape, dtype=bool), self.roots.unsure | ~np.isfinite(x.high)
+        for distance, off, near in distances:
+            inside = inside & (distance >= -near)
+            # the tolerance itself is no number to be exact about: next to its edge 50 digits decide
+            unsure = unsure | ~(np.isinf(distance) | (abs(distance + near) > off + _EDGE * near))
+        return inside, unsure
+
+    def _side(self, end: tuple[str, int], side: int) -> tuple[Reals, Reals]:
+        if end[0] != "root":
+            return self.ends[side]
+        k = end[1] - self.at_ends[0]
+        if not 0 <= k < len(self.roots.roots):
+            return np.full(self.leading.shape, np.nan), np.zeros(self.leading.shape)
+        return self.roots.roots[k], self.roots.errors[k]

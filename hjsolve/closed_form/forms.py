@@ -9,8 +9,9 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.closed_form.compiled_forms import functions
 from hjsolve.closed_form.named_quantities import written_out
-from hjsolve.closed_form.numbers import form_at_numbers, functions, wanted_form
+from hjsolve.closed_form.numbers import form_at_numbers, wanted_form
 from hjsolve.closed_form.regime import Regime
 from hjsolve.closed_form.source_code import source
 from hjsolve.closed_form.why_not import WhyNot

@@ -45,7 +45,7 @@ def source(form: NamedForms, language: str) -> str:
     mark = "#" if language == "python" else "//"
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
-    arrange = ForDoubles(form.where, at_example(form, form.where))
+    arrange = ForDoubles(form.where, at_example(form, form.where), form.named().values())
     named = {name: arrange.form(e) for name, e in form.named().items()}
     where = arrange.definitions(s for e in named.values() for s in e.free_symbols)
     defined = where.values()

@@ -152,10 +152,20 @@ static double legendre_e(double phi, double m) {
 }
 """
 _PI = """
+/* Abramowitz and Stegun 17.7.15: for n -> -infinity the first formula cancels */
+static double legendre_third(double n, double m, double s, double square, double delta) {
+    double first = s * carlson_rf(square, delta, 1), cube = s * s * s / 3;
+    if (!(n < -1 && m >= 0))
+        return first + n * cube * carlson_rj(square, delta, 1, 1 - n * s * s);
+    double other = (m - n) / (1 - n), pole = square + s * s * (1 - m) / (1 - n);
+    double third = first + other * cube * carlson_rj(square, delta, 1, pole);
+    double arc = sqrt(-n / ((1 - n) * (m - n))) * atan(sqrt(-n * (m - n) / (1 - n)) * s * sqrt(square / delta));
+    return ((1 - m) * -n / (1 - n) * third + m * first) / (m - n) + arc;
+}
 static double legendre_pi(double n, double phi, double m) {
     double f[4], turns = legendre_folded(phi, m, f);
-    double value = f[0] * carlson_rf(f[1], f[2], 1) + n * f[3] * carlson_rj(f[1], f[2], 1, 1 - n * f[0] * f[0]);
-    return turns == 0 ? value : value + 2 * turns * (carlson_rf(0, 1 - m, 1) + n * carlson_rj(0, 1 - m, 1, 1 - n) / 3);
+    double value = legendre_third(n, m, f[0], f[1], f[2]);
+    return turns == 0 ? value : value + 2 * turns * legendre_third(n, m, 1, 0, 1 - m);
 }
 """
 _LEGENDRE = {

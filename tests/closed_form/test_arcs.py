@@ -54,3 +54,13 @@ def test_the_apsidal_angle_of_a_nearly_radial_ellipse() -> None:
     right = form.evaluate("orbit_equations.p_theta", {n: repr(v) for n, v in given.items()}, 30).value
     got = function(**{n: np.array([v]) for n, v in given.items()})[0]
     assert abs(got - right) <= 4e-16  # of a radian: both arcs are about π/2
+
+
+def test_the_characteristic_function_next_to_a_turning_point() -> None:
+    """W = ½ q p − (α/2√E) arcosh(q√E/√α) varies as p³ there, each term as p: they round the same p."""
+    form = hjsolve.closed_forms("liouville-p5-6")[0]
+    W = form.lambdify("numpy")["characteristic_function"]
+    at = {"K": 1.0, "q1": 27.943417168044412, "q2": -0.8350361672715274, "E": 0.0012837494537290511,
+          "alpha_2": 0.002393925574913237, "q1_0": 27.943396593595725, "q2_0": -2.1026409980558824}  # fmt: skip
+    right = form.evaluate("characteristic_function", {n: sp.Rational(v) for n, v in at.items()}, 25).value
+    assert abs(float(W(**at)) - right) <= 1e-15  # 1.3e-12 with each rounding its own

@@ -53,7 +53,9 @@ def test_forms_in_doubles(entry: str, motions: int) -> None:
         assert [fault for row in found for fault in row.faults] == []
         assert sum(row.nan for row in found) == 0
         if own.motions == motions:
-            assert sum(row.count for row in found) > motions * len(found) / 2
+            # of a fall into the centre, p_θ = 0, the engine has neither actions nor turning points
+            part = 3 if own.form.regime.special else 2
+            assert sum(row.count for row in found) > motions * len(found) / part
 
 
 @pytest.mark.parametrize("entry", ["pendulum", "kepler-planar"])

@@ -11,7 +11,7 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
-from hjsolve.closed_form.doubles import region_test
+from hjsolve.closed_form.doubles import CurveForArrays
 from tests.support.entries import forms
 
 ENTRIES = ["pendulum", "double-well", "spherical-pendulum", "bead-on-turning-wire", "cone", "ladder"]
@@ -69,16 +69,15 @@ def test_arrays_of_constants_are_sorted_as_by_fifty_digits(name: str) -> None:
 def test_a_polynomial_without_doubt_is_decided_in_doubles() -> None:
     """The test of a region settles nearly all of a spread of energies; the separatrix itself is not certain."""
     form = next(f for f in forms("pendulum") if f.regime.kinds["theta"] == "libration")
-    symbols = sorted(form.regime.example, key=str)
     ((curve, region),) = form.regime.regions
-    test = region_test(curve, region, symbols)
-    assert test is not None
     (top,) = (float(r.lhs.subs(form.regime.example)) for r in form.regime.relations[1:])
-    energies = np.array([-0.9, -0.1, 0.4, 0.999, 1.0, 1.001, 2.0]) * top
-    places = [energies if s.name == "E" else np.full(7, float(form.regime.example[s])) for s in symbols]
-    exists, unsure = test(places, (7,))
-    assert unsure.tolist() == [False] * 4 + [True] + [False] * 2
-    assert (exists & ~unsure).tolist() == [True] * 4 + [False] * 3
+    energies = np.array([-0.9, -0.1, 0.4, 0.999, 1 - 1e-13, 1.0, 1 + 1e-13, 1.001, 2.0]) * top
+    table = {s: energies if s.name == "E" else np.full(9, float(v)) for s, v in form.regime.example.items()}
+    found = CurveForArrays(curve).at(table, (9,), {})
+    assert found is not None
+    exists, unsure = found.has(region)
+    assert unsure.tolist() == [False] * 5 + [True] + [False] * 3
+    assert (exists & ~unsure).tolist() == [True] * 5 + [False] * 4
 
 
 @pytest.mark.parametrize(("name", "inside", "outside"), [
@@ -183,3 +182,19 @@ def test_the_half_turn_of_a_pole_beside_a_root_is_apart_where_others_are_complex
         values = {n: given[n] for n in function.names}
         exact = form.evaluate(name, {n: repr(v) for n, v in values.items()}, 40).value
         assert abs(float(function(**values)) - exact) <= 20 * np.spacing(float(abs(exact))), name
+
+
+@pytest.mark.parametrize(("name", "at"), [
+    ("morse", {"m": 0.0208852685945782, "D": 14.53523211418916, "a": 82.657106134117, "E": 14.536077387323346, "t_0": 0,
+               "x_0": 2.2823271477440934, "t": 148.7491876399679}),
+    ("poeschl-teller", {"m": 1.0, "V0": 2.0, "a": 3.0, "E": 0.5, "t_0": 0, "x_0": 1.0, "t": 400.0}),
+])  # fmt: skip
+def test_a_form_whose_parts_overflow_is_worked_out_in_many_digits(name: str, at: dict[str, float]) -> None:
+    """The logarithm of cosh 3500 is a double, and cosh 3500 is not."""
+    form = next(f for f in forms(name) if f.regime.kinds["x"] == "escape" and not f.regime.special)
+    inverse = form.lambdify("numpy")["inverse.x"]
+    near = dict(at) | {"t": at["t"] / 1000}
+    arrays = {n: np.array([near[n], v]) for n, v in at.items() if n in inverse.names}
+    for value, own in zip(inverse(**arrays), (near, at), strict=True):
+        right = form.evaluate("inverse.x", {n: sp.Rational(own[n]) for n in arrays}).value
+        assert abs(value - right) <= 1e-13 * abs(right)

@@ -156,3 +156,18 @@ def test_legendres_integrals_in_tables_for_lambdify(backend):
 def test_another_backend_is_refused():
     with pytest.raises(InvalidInputError, match='"numpy" or "mpmath"'):
         modules("tensorflow")
+
+
+@pytest.mark.parametrize("size", [2.0, 1e3, 1e8, 1e14])
+def test_integrals_of_the_third_kind_far_below_zero_keep_their_digits(size):
+    """Π(n → −∞) is √|n| times less than F: F + n s³ R_J/3 would lose half of the digits of n."""
+    from hjsolve.arithmetic import carlson
+
+    rng = np.random.default_rng(3)
+    n, φ, m = -size * rng.uniform(0.5, 2, 40), rng.uniform(-7, 7, 40), rng.uniform(0, 1, 40)
+    got, whole = carlson.legendre_pi(n, φ, m), carlson.legendre_pi(n, m)
+    with mp.workdps(60):
+        for value, complete, own in zip(got, whole, zip(n, φ, m, strict=True), strict=True):
+            exact = [mp.mpf(float(v)) for v in own]
+            assert abs(value / mp.ellippi(*exact) - 1) < 2e-14
+            assert abs(complete / mp.ellippi(exact[0], exact[2]) - 1) < 1e-14

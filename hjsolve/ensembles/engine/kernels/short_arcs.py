@@ -24,7 +24,7 @@ _TURNING = 1e-60  # sine or cosine of φ/2 that stands for 0: F is linear there,
 
 
 class ArcsOfLibrations(NamedTuple):
-    """ArcsOfLibrations of one coordinate of n orbits.
+    """Arcs of one coordinate of n orbits.
 
     Attributes:
         middle, half: of the arc in t: (t₀ + t₁)/2 and (t₁ − t₀)/2, shape (n,).
@@ -79,8 +79,8 @@ def _emptied(program: MachineProgram, half: int, count: int, sums: Reals, sizes:
 
 @kernel
 def arc_integrals(
-    below: MachineProgram, above: MachineProgram, arcs: ArcsOfLibrations, nodes: Reals, weights: Reals, sums: Reals, sizes: Reals,
-    work: Lanes,
+    below: MachineProgram, above: MachineProgram, arcs: ArcsOfLibrations, nodes: Reals, weights: Reals, sums: Reals,
+    sizes: Reals, work: Lanes,
 ) -> None:  # fmt: skip
     """Integrate one coordinate of many orbits over arcs.
 

@@ -1,0 +1,322 @@
+"""Forms as functions of numbers and of arrays, nan outside their regime; what a regime asks for is compiled once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
+from hjsolve.closed_form.complements import ForDoubles
+from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.doubles import CurveForArrays, FormulasForArrays, RootsOfPolynomial, Solved, roots_of
+from hjsolve.closed_form.named_forms import NamedForms
+from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.closed_form.numbers import at_example, curves_held, root_values
+from hjsolve.closed_form.regions import RootInterval, holds_place, region_exists
+from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.formulas.read import number as read_number
+from hjsolve.functions import modules
+from hjsolve.functions.tables import own_modules
+from hjsolve.precision import for_the_user, mp, users_precision
+
+_SPECIAL = 1e-12
+"""How far a constant may be off what it is in a special case: it is a double."""
+_DIGITS_BEYOND_DOUBLES = 30
+"""Of numbers that overflow in doubles."""
+_Compiled = Callable[..., Any]
+"""A function of numbers or arrays."""
+
+
+def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Mpf | Reals | float]]:
+    """Functions of numbers; see ``RegimeForms.lambdify``.
+
+    Args:
+        form: of a regime.
+        module: "numpy" or "mpmath".
+
+    Raises:
+        InvalidInputError: another module.
+    """
+    if module not in ("numpy", "mpmath"):
+        raise InvalidInputError(f'lambdify: {module!r} is not known; write "numpy" or "mpmath"')
+    regime = CompiledRegime(form, module == "numpy")
+    return {name: regime.function(expression) for name, expression in form.named().items()}
+
+
+class CompiledRegime:
+    """What all forms of a regime ask for, each compiled when it is first asked for.
+
+    Args:
+        form: of the regime.
+        numpy: whether for arrays of doubles; else for numbers of mpmath.
+    """
+
+    def __init__(self, form: NamedForms, numpy: bool):
+        self.form, self.numpy = form, numpy
+        made = form.regime
+        self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
+        held = {s for e in (*made.conditions, *made.special.values()) for s in e.free_symbols} | set(made.special)
+        held |= {s for c, _ in self.curves for p in c.polynomial.coeffs() for s in p.free_symbols}
+        self.symbols = sorted(held, key=str)
+        self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
+        self._arrays = dict[int, CurveForArrays]()  # by id: the form keeps its curves
+        self._places = dict[tuple[int, sp.Symbol], FormulasForArrays | None]()
+        self._definitions = dict[sp.Symbol, tuple[list[sp.Symbol], _Compiled]]()
+        self._polynomials = dict[sp.Poly, RootsOfPolynomial | None]()
+
+    @cached_property
+    def arrange(self) -> ForDoubles | None:
+        """How forms are arranged for doubles; None for mpmath's numbers."""
+        if not self.numpy:
+            return None
+        form = self.form
+        return ForDoubles(form.where, at_example(form, form.where), form.named().values())
+
+    @cached_property
+    def many_digits(self) -> CompiledRegime:
+        """The same for numbers of mpmath."""
+        return CompiledRegime(self.form, numpy=False)
+
+    def function(self, expression: sp.Expr) -> Callable[..., Mpf | Reals | float]:
+        """Return a form as a function of keyword arguments; its attribute ``names`` are those that it needs.
+
+        Args:
+            expression: the form.
+        """
+        compiled = CompiledForm(self, expression)
+
+        def function(**given: object) -> Mpf | Reals | float:
+            if self.numpy:
+                return compiled.arrays(given)
+            with users_precision():
+                return for_the_user(compiled.one([*map(_exactly, compiled.values(given))]))
+
+        function.names = compiled.names  # type: ignore[attr-defined]
+        return function
+
+    def compiled(self, symbols: Sequence[sp.Symbol], expression: sp.Expr, *, cse: bool = False) -> _Compiled:
+        """Return an expression as a function of numbers, or arrays.
+
+        Args:
+            symbols: in the order of the numbers.
+            expression: of them.
+            cse: whether common parts are worked out once.
+        """
+        return sp.lambdify([*symbols], expression, modules=modules("numpy") if self.numpy else own_modules(), cse=cse)
+
+    @cached_property
+    def tests(self) -> list[_Compiled]:
+        """What is positive in the regime."""
+        return [self.compiled(self.symbols, sign * e) for e, sign in self.form.regime.conditions.items()]
+
+    @cached_property
+    def equal(self) -> list[_Compiled]:
+        """What is zero in the regime."""
+        return [self.compiled(self.symbols, c - e) for c, e in self.form.regime.special.items()]
+
+    def for_arrays(self, curve: MomentumCurve) -> CurveForArrays:
+        """Return a curve, made ready for arrays."""
+        if id(curve) not in self._arrays:
+            self._arrays[id(curve)] = CurveForArrays(curve)
+        return self._arrays[id(curve)]
+
+    def place(self, curve: MomentumCurve, symbol: sp.Symbol) -> FormulasForArrays | None:
+        """Return what is asked of a place, made ready for arrays."""
+        key = id(curve), symbol
+        if key not in self._places:
+            self._places[key] = self.for_arrays(curve).place(symbol)
+        return self._places[key]
+
+    def root(self, polynomial: sp.Poly) -> RootsOfPolynomial | None:
+        """Return the roots of a polynomial, made ready for arrays."""
+        if polynomial not in self._polynomials:
+            curves = (self.for_arrays(c).roots_like(polynomial) for c, _ in self.curves)
+            self._polynomials[polynomial] = next((own for own in curves if own is not None), None) or roots_of(
+                polynomial
+            )
+        return self._polynomials[polynomial]
+
+    def definition(self, symbol: sp.Symbol, meaning: sp.Expr) -> tuple[list[sp.Symbol], _Compiled]:
+        """Return a named quantity as a function of arrays, and the symbols of these."""
+        if symbol not in self._definitions:
+            held = sorted(meaning.free_symbols, key=str)
+            self._definitions[symbol] = held, self.compiled(held, meaning, cse=True)
+        return self._definitions[symbol]
+
+    def one_is_inside(
+        self, given: Mapping[sp.Symbol, Mpf | float], placed: Sequence[tuple[MomentumCurve, RootInterval, sp.Symbol]]
+    ) -> bool:  # fmt: skip
+        """Return whether one motion is of the regime, and places are of the motion.
+
+        Args:
+            given: symbol → its number.
+            placed: curves with symbols of places.
+        """
+        numbers = [given[s] for s in self.symbols]
+        if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
+            return False
+        if any(not test(*numbers) > 0 for test in self.tests):
+            return False
+        exact = {s: mp.mpmathify(v) for s, v in given.items()} if self.curves or placed else {}
+        if not all(region_exists(c, r, exact) for c, r in self.curves):
+            return False
+        return all(holds_place(c, r, exact[symbol], exact) for c, r, symbol in placed)
+
+    def inside(
+        self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...],
+        placed: Sequence[tuple[MomentumCurve, RootInterval, sp.Symbol]], solved: Solved,
+    ) -> tuple[Mask, Mask]:  # fmt: skip
+        """Return where motions are of the regime and places of the motions, or may be; and where that is not certain.
+
+        Args:
+            table: symbol → its values.
+            shape: of the arrays.
+            placed: curves with symbols of places.
+            solved: roots that were found for these arrays, and are kept there.
+        """
+        import numpy as np
+
+        good, unsure = np.ones(shape, dtype=bool), np.zeros(shape, dtype=bool)
+        arrays = [table[s] for s in self.symbols]
+        for test in self.tests:
+            good &= np.asarray(test(*arrays)) > 0
+        for test in self.equal:
+            good &= np.abs(test(*arrays)) <= _SPECIAL
+        curves = [*(c for c, _ in self.curves), *(c for c, *_ in placed)]
+        wanted = {id(c): self.for_arrays(c).at(table, shape, solved) for c in curves}
+        places = [(c, r, self.place(c, symbol)) for c, r, symbol in placed]
+        if any(found is None for found in (*wanted.values(), *(p for *_, p in places))):
+            return good, np.ones(shape, dtype=bool)
+        found = [wanted[id(c)].has(r) for c, r in self.curves]  # type: ignore[union-attr]
+        found += [wanted[id(c)].holds(r, p(table, shape)) for c, r, p in places]  # type: ignore[union-attr, misc]
+        for there, doubtful in found:
+            good, unsure = good & (there | doubtful), unsure | doubtful
+        return good, unsure
+
+
+class CompiledForm:
+    """One form of a regime, compiled for numbers when it is first asked for.
+
+    Args:
+        regime: what it has in common with others.
+        expression: the form.
+    """
+
+    def __init__(self, regime: CompiledRegime, expression: sp.Expr):
+        self.regime, self.form, where = regime, regime.form, regime.form.where
+        self.as_derived = expression
+        if regime.arrange is not None:
+            expression = regime.arrange.form(expression)
+        self.expression, self.roots = expression, [s for s in expression.free_symbols if s in where]
+        self.held = needed_names(expression.free_symbols, where)[1]
+        self.symbols = sorted(self.held | set(regime.symbols), key=str)
+        self.names = tuple(s.name for s in self.symbols)
+
+    @cached_property
+    def plain(self) -> _Compiled:
+        """The form itself, of its symbols and its names."""
+        return self.regime.compiled([*self.symbols, *self.roots], self.expression, cse=True)
+
+    @cached_property
+    def placed(self) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
+        """The curves of coordinates and lower limits of the form."""
+        return curves_held(self.form, self.held)
+
+    @cached_property
+    def where(self) -> dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]:
+        """What the form rests on, in order."""
+        where = self.regime.arrange.definitions(self.roots) if self.regime.arrange else self.form.where
+        return needed_names(self.roots, where)[0] if self.roots else {}
+
+    @cached_property
+    def in_many_digits(self) -> CompiledForm:
+        """The same for numbers of mpmath, which do not overflow."""
+        return CompiledForm(self.regime.many_digits, self.as_derived)
+
+    def values(self, given: Mapping[str, object]) -> list[object]:
+        """Return the arguments in order."""
+        for name in given:
+            if name not in self.names:
+                raise InvalidInputError(f"{name!r} is not an argument; they are {', '.join(self.names)}")
+        known = self.regime.defaults
+        missing = [name for name in self.names if name not in given and name not in known]
+        if missing:
+            raise MissingValueError(f"a value is missing for {', '.join(missing)}")
+        return [given[name] if name in given else known[name] for name in self.names]
+
+    def one(self, numbers: Sequence[Mpf | float]) -> Mpf:
+        """At one place; nan outside the regime."""
+        given = dict(zip(self.symbols, numbers, strict=True))
+        if not self.regime.one_is_inside(given, self.placed):
+            return mp.nan
+        if self.roots:
+            exact = {s: sp.sympify(v) for s, v in given.items()}
+            table = root_values(self.form, exact, mp.dps + 5, self.roots)
+            numbers = [*numbers, *(table[s] for s in self.roots)]
+        if not self.regime.numpy:
+            return self.plain(*map(mp.mpmathify, numbers))
+        import numpy as np  # whose numbers divide by zero in a case that is not taken
+
+        return self.plain(*map(np.float64, numbers))
+
+    def arrays(self, given: Mapping[str, object]) -> Reals | float:
+        """At arrays of doubles; nan outside the regime."""
+        import numpy as np
+
+        listed = [np.asarray(v, dtype=float) for v in self.values(given)]
+        places = np.broadcast_arrays(*listed) if listed else []
+        shape = places[0].shape if places else ()
+        table, solved = dict(zip(self.symbols, places, strict=True)), Solved()
+        with np.errstate(all="ignore"):
+            good, unsure = self.regime.inside(table, shape, self.placed, solved)
+        overflows = list[str]()
+        with np.errstate(all="ignore", over="call", call=lambda what, _: overflows.append(what)):
+            named, doubtful = self._names(table, shape, solved)
+            result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
+            for place in np.argwhere(good & (unsure | doubtful)):
+                result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
+        if overflows:
+            self._without_overflow(result, good, places)
+        return result[()]
+
+    def _without_overflow(self, result: Reals, good: Mask, places: Sequence[Reals]) -> None:
+        """Work out again what is not finite: log cosh 800 is, and cosh 800 is not, in doubles."""
+        import numpy as np
+
+        for place in np.argwhere(good & ~np.isfinite(result)):
+            given = dict(zip(self.symbols, (mp.mpf(float(a[tuple(place)])) for a in places), strict=True))
+            with mp.workdps(_DIGITS_BEYOND_DOUBLES):
+                value = self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
+            result[tuple(place)] = float(value) if mp.im(value) == 0 else np.nan
+
+    def _names(
+        self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...], solved: Solved
+    ) -> tuple[dict[sp.Symbol, Reals], Mask]:  # fmt: skip
+        """Return the values of what the form rests on, and where a root is not certain in doubles."""
+        import numpy as np
+
+        known, unsure = dict(table), np.zeros(shape, dtype=bool)
+        for symbol, meaning in self.where.items():
+            definition, index = meaning if isinstance(meaning, tuple) else (meaning, 0)
+            held = definition.free_symbols - ({definition.gen} if isinstance(definition, sp.Poly) else set())
+            if not held <= known.keys():
+                continue
+            if not isinstance(definition, sp.Poly):
+                symbols, value = self.regime.definition(symbol, definition)
+                known[symbol] = np.broadcast_to(value(*(known[s] for s in symbols)), shape)
+                continue
+            root = self.regime.root(definition)
+            if root is None:  # its coefficients have no numbers in two doubles
+                known[symbol], unsure = np.full(shape, np.nan), np.ones(shape, dtype=bool)
+                continue
+            roots, doubtful = root.rounded(known, shape, solved)
+            known[symbol] = roots[index]
+            unsure = unsure | doubtful | np.isinf(roots[index])
+        return known, unsure
+
+
+def _exactly(value: object) -> Mpf:
+    return mp.mpmathify(read_number(value, source="value") if isinstance(value, str) else value)
