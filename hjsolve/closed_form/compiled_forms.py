@@ -25,7 +25,7 @@ from hjsolve.precision import for_the_user, mp, users_precision
 _SPECIAL = 1e-12
 """How far a constant may be off what it is in a special case: it is a double."""
 _DIGITS_BEYOND_DOUBLES = 30
-"""Of numbers that overflow in doubles."""
+"""Of what is not finite in doubles."""
 _Compiled = Callable[..., Any]
 """A function of numbers or arrays."""
 
@@ -272,18 +272,15 @@ class CompiledForm:
         table, solved = dict(zip(self.symbols, places, strict=True)), Solved()
         with np.errstate(all="ignore"):
             good, unsure = self.regime.inside(table, shape, self.placed, solved)
-        overflows = list[str]()
-        with np.errstate(all="ignore", over="call", call=lambda what, _: overflows.append(what)):
             named, doubtful = self._names(table, shape, solved)
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
             for place in np.argwhere(good & (unsure | doubtful)):
                 result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
-        if overflows:
-            self._without_overflow(result, good, places)
+        self._not_finite(result, good, places)
         return result[()]
 
-    def _without_overflow(self, result: Reals, good: Mask, places: Sequence[Reals]) -> None:
-        """Work out again what is not finite: log cosh 800 is, and cosh 800 is not, in doubles."""
+    def _not_finite(self, result: Reals, good: Mask, places: Sequence[Reals]) -> None:
+        """Work out again what is not finite: cosh 800 in doubles, or √(1 − x²) where rounding left x above 1."""
         import numpy as np
 
         for place in np.argwhere(good & ~np.isfinite(result)):

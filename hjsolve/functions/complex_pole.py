@@ -16,21 +16,41 @@ from sympy.core.sorting import ordered
 from hjsolve.functions.carlson import CarlsonRD
 from hjsolve.functions.many_digits import remembered
 from hjsolve.functions.printing import Printable
-from hjsolve.precision import mp
+from hjsolve.precision import for_any_context, mp
 
 if TYPE_CHECKING:
     from sympy.printing.str import StrPrinter
 
 Parts = tuple[sp.Expr, sp.Expr]
 """Real and imaginary part."""
-_COMPLEX_DOUBLES = "hjsolve.arithmetic.carlson_complex"
+_HERE, _COMPLEX_DOUBLES = "hjsolve.functions.complex_pole", "hjsolve.arithmetic.carlson_complex"
 
 
-def _rc_real(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
+@for_any_context
+def carlson_rcre(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
+    """Return Re R_C(x, a + ib), DLMF 19.2.17.
+
+    Args:
+        x: not negative.
+        a, b: real and imaginary part of the last argument.
+
+    Raises:
+        ValueError: an argument outside of these.
+    """
     return mp.re(_rc(x, a, b))
 
 
-def _rc_imaginary(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
+@for_any_context
+def carlson_rcim(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
+    """Return Im R_C(x, a + ib), DLMF 19.2.17.
+
+    Args:
+        x: not negative.
+        a, b: real and imaginary part of the last argument.
+
+    Raises:
+        ValueError: an argument outside of these.
+    """
     return mp.im(_rc(x, a, b))
 
 
@@ -41,11 +61,31 @@ def _rc(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpc:
     return mp.elliprc(x, mp.mpc(a, b))
 
 
-def _rj_real(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
+@for_any_context
+def carlson_rjre(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
+    """Return Re R_J(x, y, z, a + ib), DLMF 19.16.2.
+
+    Args:
+        x, y, z: none of them negative.
+        a, b: real and imaginary part of the last argument.
+
+    Raises:
+        ValueError: an argument outside of these.
+    """
     return mp.re(_rj(x, y, z, a, b))
 
 
-def _rj_imaginary(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
+@for_any_context
+def carlson_rjim(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
+    """Return Im R_J(x, y, z, a + ib), DLMF 19.16.2.
+
+    Args:
+        x, y, z: none of them negative.
+        a, b: real and imaginary part of the last argument.
+
+    Raises:
+        ValueError: an argument outside of these.
+    """
     return mp.im(_rj(x, y, z, a, b))
 
 
@@ -87,7 +127,7 @@ class ComplexPole(Printable):
     """
 
     part: ClassVar[int]
-    doubles = _COMPLEX_DOUBLES
+    doubles, many_digits = _COMPLEX_DOUBLES, _HERE
 
     def _parts(self) -> Parts:
         """Return this function and its twin, the real part first."""
@@ -125,13 +165,13 @@ class _RC(ComplexPole):
 class CarlsonRCRe(_RC):
     """Re R_C(x, a + ib), x ≥ 0, b ≠ 0 or a > 0."""
 
-    letter, part, value = "R_Cre", 0, staticmethod(_rc_real)
+    letter, part, value = "R_Cre", 0, staticmethod(carlson_rcre)
 
 
 class CarlsonRCIm(_RC):
     """Im R_C(x, a + ib), x ≥ 0, b ≠ 0 or a > 0."""
 
-    letter, part, value = "R_Cim", 1, staticmethod(_rc_imaginary)
+    letter, part, value = "R_Cim", 1, staticmethod(carlson_rcim)
 
 
 class _RJ(ComplexPole):
@@ -175,13 +215,13 @@ class _RJ(ComplexPole):
 class CarlsonRJRe(_RJ):
     """Re R_J(x, y, z, a + ib), x, y, z ≥ 0, b ≠ 0 or a > 0."""
 
-    letter, part, value = "R_Jre", 0, staticmethod(_rj_real)
+    letter, part, value = "R_Jre", 0, staticmethod(carlson_rjre)
 
 
 class CarlsonRJIm(_RJ):
     """Im R_J(x, y, z, a + ib), x, y, z ≥ 0, b ≠ 0 or a > 0."""
 
-    letter, part, value = "R_Jim", 1, staticmethod(_rj_imaginary)
+    letter, part, value = "R_Jim", 1, staticmethod(carlson_rjim)
 
 
 _BOTH: dict[type[ComplexPole], tuple[type[ComplexPole], type[ComplexPole]]] = {

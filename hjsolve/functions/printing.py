@@ -27,13 +27,14 @@ class Printable(sp.Function):
         letter: how books write it.
         scipy_name: the function of ``scipy.special``, or nothing.
         value: the function of mpmath's numbers.
-        doubles: the module of the functions of numpy's arrays.
+        doubles, many_digits: the modules of the functions of numpy's arrays and of mpmath's numbers.
     """
 
     letter: ClassVar[str]
     scipy_name: ClassVar[str] = ""
     value: ClassVar[Callable[..., mpmath.mpf]]
     doubles: ClassVar[str] = DOUBLES
+    many_digits: ClassVar[str] = MANY_DIGITS
 
     def _eval_evalf(self, prec: int) -> sp.Expr | None:
         return evaluated(type(self).value, self.args, prec)
@@ -55,7 +56,7 @@ class Printable(sp.Function):
         return f"{name}({', '.join(printer._print(argument) for argument in self.args)})"
 
     def _mpmathcode(self, printer: StrPrinter) -> str:
-        return self._called(printer, printer._module_format(f"{MANY_DIGITS}.{self.code_name()}"))
+        return self._called(printer, printer._module_format(f"{self.many_digits}.{self.code_name()}"))
 
     def _numpycode(self, printer: StrPrinter) -> str:
         if "SciPy" not in type(printer).__name__ or not self.scipy_name:

@@ -22,6 +22,7 @@ from hjsolve.functions.elliptic import (
     incomplete,
     inverse_between,
 )
+from hjsolve.functions.tables import own_modules
 from tests.functions.test_elliptic_integrals import exact, number, random_integral, random_place
 from tests.support.gauss import gauss
 
@@ -153,6 +154,17 @@ def test_without_real_roots_derivative_inverse_and_the_whole_line(seed):
             assert abs(sp.N(inverse_between(P, y, u, farther=farther), 35) - x) <= 1e-25 * (1 + abs(x))
         far = sp.N(between(FIRST, P, -(10**12), 10**12), 30)
         assert abs(sp.N(around(FIRST, P), 30) - far) <= 1e-10 * far
+
+
+@pytest.mark.parametrize("tables", [modules("mpmath"), own_modules(), "mpmath"])
+def test_the_parts_as_code_of_mpmath(tables):
+    """Code names each function in a module that has it; vinti's forms in many digits ended in an ImportError."""
+    at = [sp.Rational(7, 5), sp.Rational(1, 3), sp.Rational(9, 4), sp.Rational(-5, 3), sp.Rational(2, 7)]
+    compiled = sp.lambdify((V1, V2, V3, A, B), PARTS, modules=tables)
+    with mp.workdps(30):
+        known = [sp.N(part.xreplace(dict(zip((V1, V2, V3, A, B), at, strict=True))), 30) for part in PARTS]
+        for got, value in zip(compiled(*(mpf(x.p) / x.q for x in at)), known, strict=True):
+            assert abs(got - mpf(str(value))) <= 1e-27 * abs(got)
 
 
 def test_numpy_and_derivatives_of_the_parts():
