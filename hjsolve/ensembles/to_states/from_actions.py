@@ -41,7 +41,7 @@ from hjsolve.solution.quadratures import Solution
 _FARTHEST_EXPONENT = 1000
 """Of the length of a coordinate."""
 
-_CHUNK, _LEAST_CHUNK = 16384, 8192
+_CHUNK, _LEAST_CHUNK = 32768, 8192
 """Orbits that one thread treats at a time: half of them, for two threads, but not fewer than the second number."""
 _LEFT_OVER = 20
 """The last of so many orbits start again together with others."""
