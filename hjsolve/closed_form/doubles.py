@@ -275,7 +275,9 @@ class RootsInDomain:
             exists = exists & (stop >= first) & (stop < first + inside)
         # the leading coefficient of the whole of P, and the roots above the region, give its sign there
         sign = np.sign(self.leading) * np.where((total - 1 - start) % 2 == 0, 1, -1)
-        return exists & (sign > 0), self.roots.unsure | first_doubt | last_doubt
+        # an end that is not a real number leaves no domain; two doubles know the signs below roots
+        domain = ~(np.isnan(self.ends[0][0]) | np.isnan(self.ends[1][0]))
+        return exists & domain & (sign > 0), domain & (self.roots.unsure | first_doubt | last_doubt)
 
     def _count_below(self, there: Reals, off: Reals) -> tuple[NDArray[np.int64], Mask]:
         """Return how many roots are below a place, and where a root may be on either side of it."""

@@ -277,6 +277,8 @@ def region_exists(curve: MomentumCurve, like: RootInterval, numbers: Numbers) ->
         if double or len(roots) != len(like.roots):
             return False
         low, high = (number_of(end, numbers) for end in (curve.substitution.lower, curve.substitution.upper))
+        if mp.im(low) != 0 or mp.im(high) != 0:
+            return False  # outside the horizon of a black hole that has none
         marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}
         if any(side[0] != "end" and side not in marks for side in (like.lower, like.upper)):
             return False
@@ -301,10 +303,14 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
         if s.closed and abs(place - middle_of(curve, numbers)) > number_of(s.turn, numbers) / 2 + tolerance:
             return False
         first, last = (number_of(end, numbers) for end in curve.ends)
+        if mp.im(first) != 0 or mp.im(last) != 0:
+            return False
         if not s.closed and not first - tolerance <= place <= last + tolerance:
             return False  # cos θ is that of another angle beyond the poles
         roots, _ = real_roots(curve, numbers)
         low, high = (number_of(end, numbers) for end in (s.lower, s.upper))
+        if mp.im(low) != 0 or mp.im(high) != 0:
+            return False
         marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}
         x = number_of(s.place, {**numbers, curve.coordinate.symbol: place})
         if isinstance(x, mp.mpc) or mp.isnan(x):
