@@ -28,7 +28,7 @@ from hjsolve.extended.moving_frame_motion import FramedMotion, start_framed_moti
 from hjsolve.extended.quadratic_flow import QuadraticFlow, with_action
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, hamiltonian
-from hjsolve.motion.initial_data import read_phase_point
+from hjsolve.motion.initial_data import read_phase_point, refuse_ends_of_domains
 from hjsolve.motion.shapes import by_coordinate
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
@@ -228,6 +228,7 @@ def _quadratic_motion(
     system: System, q: Mapping[str, object], velocity: Mapping[str, object] | None, p: Mapping[str, object] | None,
     parameters: Mapping[str, object], t0: object, digits: int,
 ) -> QuadraticMotion:  # fmt: skip
+    refuse_ends_of_domains(system)
     flow, start = required(_quadratic(system)), number(t0, source="t0")
     values, z = (
         read_phase_point(system, q, velocity, p, {**parameters, required(system.time).name: start}),

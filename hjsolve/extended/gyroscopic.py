@@ -31,7 +31,7 @@ from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix
-from hjsolve.motion.initial_data import parameter_values, read_phase_point, to_bits
+from hjsolve.motion.initial_data import parameter_values, read_phase_point, refuse_ends_of_domains, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.shapes import by_coordinate
 from hjsolve.motion.state import Errors, State
@@ -93,8 +93,9 @@ class LinearModes(Shown):
             p: its canonical momentum.
 
         Raises:
-            InvalidInputError: velocity and p are both given or both missing.
+            InvalidInputError: velocity and p are both given or both missing, or a coordinate has a domain with an end.
         """
+        refuse_ends_of_domains(self.system)
         parameters = {x.name: self.values[x.symbol] for x in self.system.parameters}
         values = read_phase_point(self.system, q, velocity, p, parameters)
         start = tuple(values[x] for x in phase_space(self.system))
