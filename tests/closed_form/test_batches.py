@@ -54,8 +54,9 @@ def test_forms_in_doubles(entry: str, motions: int) -> None:
         assert sum(row.nan for row in found) == 0
         if own.motions == motions:
             # of a fall into the centre, p_θ = 0, the engine has neither actions nor turning points
-            part = 3 if own.form.regime.special else 2
-            assert sum(row.count for row in found) > motions * len(found) / part
+            none = ("actions.", "turning_points.") if own.form.regime.special else ()
+            asked = [row for row in found if not row.name.startswith(none)]
+            assert sum(row.count for row in asked) > motions * len(asked) / 2
 
 
 @pytest.mark.parametrize("entry", ["pendulum", "kepler-planar"])
