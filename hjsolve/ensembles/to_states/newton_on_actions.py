@@ -3,8 +3,8 @@
 It is the method of ``motion.tori.polish`` over arrays. Constants are held in two doubles, since near a circle or the
 energy of escape J depends on digits that one double has not. A step is shortened until the largest relative residual
 falls, first to nine tenths: next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it, and a step
-goes beyond it by δ/ln δ. Where even half of that goes beyond, again and again, J₀ is not enough, and there is no torus
-on this side. Orbits that do not converge are left to the search of single motions.
+goes beyond it by δ/ln δ. Where even half of that goes beyond, again and again, J₀ is as a rule not enough, and the
+search ends: no proof, some have a torus there. Orbits that do not converge are left to the search of single motions.
 
 Residuals of full steps fall like rₖ₊₁ = κ rₖ² (Kelley, Iterative methods for linear and nonlinear equations (1995),
 §5.3), so that the last step need not be tried: what it leaves is foreseen from those before it, and counted.
