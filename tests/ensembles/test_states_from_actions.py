@@ -216,6 +216,42 @@ def test_the_smallest_motions_keep_their_claims():
             assert abs(batch.p[c][k] - state.p[c]) <= batch.error["p"][c][k] + state.error.p[c], (c, k)
 
 
+def test_librations_whose_height_the_constants_do_not_know_have_their_action():
+    """p_y² = 2(E − α) − 2(1 − E) y², so that J_y = (p_y² + 2(1 − E) y²)/√(8(1 − E)); E and α have 32 digits."""
+    metric, J = "(2 + x**2 + y**2)", 10.0 ** -np.arange(9, 32, 2.0)
+    system = hjsolve.System(
+        {"x": "line", "y": "line"}, f"{metric}*(dot(x)**2 + dot(y)**2)/2", f"(x**2 + y**2)/{metric}"
+    )
+    actions, angles = {"x": 0.3, "y": J}, {"x": 0.4, "y": np.linspace(-3, 3, len(J))}
+    states = hjsolve.ensemble(system, actions=actions, angles=angles, want={"state"}, fallback=False)
+    assert (states.status == "ok").all()
+    (x, y), (p_x, p_y) = ((group["x"], group["y"]) for group in (states.q, states.p))
+    E = ((p_x**2 + p_y**2) / 2 + x**2 + y**2) / (2 + x**2 + y**2)
+    found = (p_y**2 + 2 * (1 - E) * y**2) / np.sqrt(8 * (1 - E))
+    assert (np.abs(found - J) <= 1e-13 * J).all(), np.abs(found - J) / J
+    claimed = (np.abs(p_y) * states.error["p"]["y"] + 2 * (1 - E) * np.abs(y) * states.error["q"]["y"]) / J
+    assert (claimed <= 1e-6).all()
+
+
+@pytest.mark.parametrize("name", ["kepler-planar", "kepler-spherical"])
+def test_nearly_circular_orbits_keep_the_digits_of_their_radial_action(name):
+    J_r = 10.0 ** -np.arange(8.5, 30)
+    M = np.linspace(-3, 3, len(J_r))
+    inclined = {"phi": 0.5} if name == "kepler-spherical" else {}
+    actions = {"r": J_r, "theta": 0.75 if inclined else 1.25, **inclined}
+    states = hjsolve.ensemble(name, actions=actions, angles={"r": M}, want={"state"}, fallback=False)
+    assert (states.status == "ok").all()
+    for k in range(len(M)):
+        with mp.workdps(80):
+            n, mean = mp.mpf(J_r[k]) + mp.mpf(5) / 4, mp.mpf(M[k])
+            e = mp.sqrt(1 - (mp.mpf(5) / 4 / n) ** 2)
+            E = mp.findroot(lambda x, e=e, M=mean: x - e * mp.sin(x) - M, mean)
+            r = n**2 * (1 - e * mp.cos(E))
+            q, p = abs(states.q["r"][k] - r), abs(states.p["r"][k] - n * e * mp.sin(E) / r)
+        assert q <= states.error["q"]["r"][k] <= 1e-12 * r
+        assert p <= states.error["p"]["r"][k]
+
+
 def test_bad_orbits_stop_nobody():
     batch = hjsolve.ensemble("kepler-planar", actions={"r": [0.1, -1.0, np.nan], "theta": 1.0}, angles={"r": 1.0})
     assert batch.status.tolist() == ["ok", "forbidden", "not_finite"]

@@ -107,7 +107,7 @@ def librations(
     # about a deep maximum of p² its value at the start is a difference of large terms: second differences have the rest
     narrow = np.flatnonzero(_smallness(one) > _SEEN_FROM_START)
     if len(narrow):
-        _narrow(one.take(narrow), narrow, modes._replace(chords=modes.kernels, shifts=False), sums, found, places)
+        _narrow(one.take(narrow), narrow, modes, sums, found, places)
     wide, slow = np.flatnonzero(~sums.good), np.zeros(n, dtype=bool)
     if len(wide):
         some = one.take(wide)
@@ -368,11 +368,18 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
 
 
 # ------------------------------------------------------------------------------------------------- seen from the start
-def _narrow(
-    one: CoordinateOfOrbits, index: Integers, modes: Modes, sums: Sums, found: TurningPoints, places: bool
-) -> None:
-    """Integrate motions about a maximum of p² that is deep next to them, or that stay there."""
+def seen_from_start(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Reals, Reals]:
+    """Integrate motions about a maximum of p² that is deep next to them.
+
+    Args:
+        modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
+
+    Returns:
+        The sums, good only where motions are as small as that; what programs of small motions know, shape
+        (constants + ``SMALL_KNOWN``, n); turning points as offsets from the start, shape (2, n).
+    """
     made, n = one.programs.small, len(one.q)
+    modes = modes._replace(chords=modes.kernels, shifts=False)
     (first,) = run_rows(made.slope, one.parameters, np.stack([one.q, *one.constants, *one.low]))
     # F = P₀² + x (F′₀ + x t): P₀² from the momentum, which does not cancel
     known = np.stack([*one.constants, one.q, one.P**2, first, 0 * one.q, 0 * one.q])
@@ -383,7 +390,14 @@ def _narrow(
     ends, work = np.empty((2, n)), (np.empty((7, _SEARCHING)), np.zeros(_SEARCHING, dtype=np.int64))
     value, bounds = (code.program(_SEARCHING, one.parameters) for code in (made.value, made.bounds))
     small_ends(value, bounds, known, one.uncertainty, floors, ends, *work)
-    part = _small(one, modes, known, ends)
+    return _small(one, modes, known, ends), known, ends
+
+
+def _narrow(
+    one: CoordinateOfOrbits, index: Integers, modes: Modes, sums: Sums, found: TurningPoints, places: bool
+) -> None:
+    """Integrate motions about a maximum of p² that is deep next to them, or that stay there."""
+    part, known, ends = seen_from_start(one, modes)
     sums.put(index, part)
     if places:
         good = np.flatnonzero(part.good)
@@ -391,7 +405,7 @@ def _narrow(
     # no amplitude at all: a place of rest, if F′ is rounding
     still = np.flatnonzero((one.P == 0) & ~part.good)
     if len(still):
-        resting, q = _at_rest(one.take(still), first[still]), one.q[still]
+        resting, q = _at_rest(one.take(still), known[len(one.constants) + 2, still]), one.q[still]
         sums.put(index[still], resting)
         fine = np.flatnonzero(resting.good)
         found.put(index[still[fine]], np.stack([q[fine]] * 2), np.stack([4 * EPS * np.abs(q[fine])] * 2))

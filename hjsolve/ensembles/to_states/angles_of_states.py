@@ -19,9 +19,9 @@ from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.librating import Kept
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed
+from hjsolve.ensembles.to_states.places_on_tori import Frames, Placed
 from hjsolve.ensembles.to_states.short_arcs import Integrals
-from hjsolve.ensembles.to_states.tori import APPROXIMATE, EXACT, Tori, coordinate_at
+from hjsolve.ensembles.to_states.tori import APPROXIMATE, EXACT, AngleTask, Tori, coordinate_at
 
 _KEPT = Kept(np.inf, 5e-13)
 """Relative errors of ∂J/∂c up to which p² in doubles does for angles; J is not looked at."""

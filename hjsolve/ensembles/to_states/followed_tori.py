@@ -14,7 +14,7 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, offset_in_pairs, place, squares
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset_in_pairs, place, squares
 from hjsolve.ensembles.engine.kernels import types
 from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS
 from hjsolve.ensembles.engine.kernels.followed_librations import (
@@ -29,13 +29,11 @@ from hjsolve.ensembles.engine.librating import APPROXIMATE_SIZES, home, sides_of
 from hjsolve.ensembles.engine.libration_ends import LibrationEnds
 from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
 from hjsolve.ensembles.engine.programs import sides
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, changed, ends_of, width_of
-from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
+from hjsolve.ensembles.to_states.places_on_tori import Frames, changed, ends_of, width_of
+from hjsolve.ensembles.to_states.tori import AngleTask, Tori, coordinate_at, kernels, summits
 
 _NOISY = 1e-9
 """Error of p² in doubles next to a turning point, over the width and the slope, from which on it is from 32 digits."""
-_TOP_STEPS, _STILL = 8, 1e-12
-"""Steps of Newton's method for the maximum of p², and the relative step that ends them."""
 _PAIRS = 6
 """Steps for the turning points of narrow motions."""
 _EVEN = 1e-13
@@ -167,16 +165,8 @@ def _top(task: AngleTask, tori: Tori, k: int) -> tuple[Reals, Reals, Reals]:
     """Return the maxima of p² next to the middle between ``ends``, p² there from 32 digits, and ∂²p²/∂q²."""
     below, above = sides(task.model.separated[k])
     one = coordinate_at(*task, tori, k)
-    q = 0.5 * (place(below, tori.ends[k, 0]) + place(above, tori.ends[k, 2]))
-    with np.errstate(all="ignore"):
-        for _ in range(_TOP_STEPS):
-            bend = run_rows(one.programs.views[0].bend, one.parameters, np.stack([offset(below, q), *one.constants]))[2]
-            (slope,) = run_rows(one.programs.small.slope, one.parameters, np.stack([q, *one.constants, *one.low]))
-            step = np.where(bend < 0, slope / bend, 0.0)
-            q = q - step
-            if not (np.abs(step) > _STILL * np.abs(q)).any():
-                break
-        return q, squares(one, q), bend
+    q, bend = summits(one, 0.5 * (place(below, tori.ends[k, 0]) + place(above, tori.ends[k, 2])))
+    return q, squares(one, q), bend
 
 
 def _about(task: AngleTask, k: int, q: Reals, away: Reals) -> Reals:

@@ -24,12 +24,13 @@ from hjsolve.ensembles.engine.lowered_solution import Model, Separated, lowered_
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, model_in_units, rounded_exponents
+from hjsolve.ensembles.to_states.narrow_librations import narrow_librations
 from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Asked, Solved, constants_of_tori
 from hjsolve.ensembles.to_states.other_wells import in_the_wells_meant
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
+from hjsolve.ensembles.to_states.places_on_tori import frames_of
 from hjsolve.ensembles.to_states.seeds import Scales, Seeds, begun, nearest, seeds_of, some_first
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
-from hjsolve.ensembles.to_states.tori import FINER, Tori
+from hjsolve.ensembles.to_states.tori import AngleTask, Tori, unknown_of
 from hjsolve.ensembles.to_states.wells import Landscape
 from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -49,8 +50,8 @@ _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
 _NEAR_UNIT = 2.0**8
 """How far from a length of its own, by what factor, a coordinate is looked for."""
-_TOLERANCE = 1e-6
-"""Largest claimed error of q, over the width of its motion, with which a state is kept."""
+_TOLERANCE, _OF_PLACE = 1e-6, 2.0**-40
+"""Largest claimed error of q, over the width of its motion or over q itself, with which a state is kept."""
 
 Rows = dict[str, Reals]
 _Pattern = tuple[bool, ...]
@@ -324,16 +325,16 @@ def _written(
     J = task.actions[own][:, index]
     rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
     directions = np.where(rotating & (J < 0), -1.0, 1.0)
-    frames = frames_of(angle_task, tori, directions, rotating, J == 0)
-    spread = solved.actions.errors[:, good] + np.abs(solved.actions.values[:, good] - np.abs(J))
-    # constants in two doubles, and p² from them, which the smallest motions see
-    spread = spread + FINER * np.einsum("kcn,cn->kn", np.abs(solved.actions.slopes[:, :, good]), np.abs(tori.values))
-    spread = np.where(J == 0, 0.0, spread)
+    unknown = unknown_of(solved.actions.slopes[:, :, good], tori.values)
+    narrow = narrow_librations(angle_task, tori, np.abs(J), unknown, ~rotating)
+    frames = frames_of(angle_task, tori, directions, rotating, J == 0, narrow.rows)
+    spread = solved.actions.errors[:, good] + np.abs(solved.actions.values[:, good] - np.abs(J)) + unknown
+    spread = np.where(J == 0, 0.0, np.where(np.isfinite(narrow.errors), narrow.errors, spread))
     angles = task.angles[own][:, index], task.angles[others][:, index]
     states = states_at(angle_task, tori, frames, angles, (solved.actions.values[:, good], spread))
-    rounding = 8 * EPS * np.abs(states.q)  # of q itself; a narrow motion may be hardly wider
     wide = np.where(frames.widths > 0, frames.widths, 1.0)
-    fine = states.good & (states.q_errors - rounding <= _TOLERANCE * wide).all(axis=0)
+    # a narrow motion may be hardly wider than the rounding of q
+    fine = states.good & (states.q_errors <= np.fmax(_TOLERANCE * wide, _OF_PLACE * np.abs(states.q))).all(axis=0)
     for k, coordinate in enumerate(model.separated):
         if coordinate.periodic:
             middle = states.q[k] if rotating[k].all() else tori.q[k]

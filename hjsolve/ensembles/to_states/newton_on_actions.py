@@ -20,8 +20,18 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.to_states.followed_tori import followed
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask
-from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Actions, Tori, actions_of, joined, no_actions
+from hjsolve.ensembles.to_states.tori import (
+    APPROXIMATE,
+    DOUBLES,
+    EXACT,
+    Actions,
+    AngleTask,
+    Tori,
+    actions_of,
+    joined,
+    no_actions,
+    unknown_of,
+)
 
 ROUNDS, SOON = 60, 9
 """Evaluations of J; and those of orbits that have another start to try."""
@@ -172,17 +182,21 @@ def constants_of_tori(
         sure = how[active] > APPROXIMATE
         with np.errstate(all="ignore"):
             residual = goals.actions[:, active] - found.values
-            own = np.max(np.abs(residual) / weight[:, active], axis=0)
+            unknown = unknown_of(found.slopes, seen.values)
+            # what constants in two doubles leave open is not sought: narrow librations find their height later
+            weights = np.fmax(weight[:, active], unknown / _CLOSE)
+            own = np.max(np.abs(residual) / weights, axis=0)
             # far away an action that is nearly zero counts by the size of all: else it would hold up the others
             floor = _FAR * np.fmin(left[:, active].max(axis=0), goals.scale[active])
-            far, before = (np.max(np.abs(r) / (weight[:, active] + floor), axis=0) for r in (residual, left[:, active]))
+            far, before = (np.max(np.abs(r) / (weights + floor), axis=0) for r in (residual, left[:, active]))
             full = (fraction[active] == 1.0) & (merit[active] < 1)
             curve[active] = np.where(full, np.fmax(own / merit[active] ** 2, 1.0), curve[active])
             after = curve[active] * own**2
-            known = (found.errors <= np.array(_KNOWN)[how[active]] * weight[:, active]).all(axis=0)
+            known = (found.errors <= np.array(_KNOWN)[how[active]] * weights).all(axis=0)
         # J of the harmonic libration is that of the motion only where it is to be zero
         close = own <= (_FEW_DIGITS if rough else _CLOSE)
-        finished = (sure | rough) & found.good & close & ~(found.harmonic & ~zero[:, active]).any(axis=0)
+        harmonic = found.harmonic & (goals.actions[:, active] > unknown)
+        finished = (sure | rough) & found.good & close & ~harmonic.any(axis=0)
         falls = 1 - _FALLS * fraction[active]
         better = found.good & ((own < falls * merit[active]) | (far < falls * before) | finished)
         # rounding is reached where a full step from nearby makes nothing better
@@ -209,7 +223,8 @@ def constants_of_tori(
         moved = base.take(active).moved(goals.unknown, fraction[active] * step[:, active])
         for kept, new in zip(trial, moved, strict=True):
             kept[..., active] = new
-    finite = done & best.good & ~(best.harmonic & ~zero).any(axis=0)
+    harmonic = best.harmonic & (goals.actions > unknown_of(best.slopes, base.values))
+    finite = done & best.good & ~harmonic.any(axis=0)
     return Solved(base, best, finite)
 
 

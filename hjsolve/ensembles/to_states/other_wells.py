@@ -15,9 +15,8 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Solved, constants_of_tori
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask
 from hjsolve.ensembles.to_states.seeds import Seeds, begun, nearest, shapes, some_first
-from hjsolve.ensembles.to_states.tori import Tori, joined
+from hjsolve.ensembles.to_states.tori import AngleTask, Tori, joined
 from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
 
 _ROUNDS = 2 * SOON

@@ -12,7 +12,8 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, matrix_of
 from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, phases_along, series_of
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed
+from hjsolve.ensembles.to_states.narrow_librations import narrow_ones
+from hjsolve.ensembles.to_states.places_on_tori import Frames, Placed, blurred, placed
 from hjsolve.ensembles.to_states.short_arcs import (
     PROVED,
     Integrals,
@@ -24,7 +25,7 @@ from hjsolve.ensembles.to_states.short_arcs import (
     times,
     wrapped,
 )
-from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Tori
+from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, AngleTask, Tori
 
 _ROUNDS, _LEAST_STEP = (24, 60, 16), 2.0**-30
 """Evaluations of θ by integrals of each kind, and the fraction of a step below which an orbit is given up."""
@@ -116,7 +117,7 @@ def _unresolved(frames: Frames, here: Here, loose: Reals, θ: Reals) -> Mask:
     _, found, at = here
     with np.errstate(all="ignore"):
         known = np.asarray(times(np.abs(inverses(matrix_of(found, at))), loose).max(axis=0) <= _KNOWN)
-    moving = ~(frames.rotating | frames.resting).any(axis=0) & found.good
+    moving = ~(frames.rotating | frames.resting | narrow_ones(frames.narrow)).any(axis=0) & found.good
     unresolved: Mask = np.asarray(moving & ~known & (np.abs(θ) < SMALL).any(axis=0), dtype=bool)
     return unresolved
 

@@ -19,11 +19,11 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
 from hjsolve.ensembles.engine.kernels.followed_librations import moved_ends
 from hjsolve.ensembles.engine.kernels.types import Modes
-from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.pairs_of_turning_points import in_two_doubles
 from hjsolve.ensembles.engine.passes import integrated
-from hjsolve.ensembles.engine.programs import SystemPrograms, sides
-from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
+from hjsolve.ensembles.engine.programs import sides
+from hjsolve.ensembles.to_states.narrow_librations import narrow_at, narrow_ones, turning_points
+from hjsolve.ensembles.to_states.tori import AngleTask, Tori, coordinate_at, kernels, summits
 
 _PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False, approximate=True)
 _PAIR_STEPS = 4
@@ -35,13 +35,6 @@ _TURNING, NEXT = 1e-60, 1e-17
 is linear."""
 
 
-class AngleTask(NamedTuple):
-    """A system with its programs."""
-
-    model: Model
-    programs: SystemPrograms
-
-
 class Frames(NamedTuple):
     """Between what the coordinates of n tori move.
 
@@ -51,6 +44,7 @@ class Frames(NamedTuple):
         widths: W, shape (separated, n).
         directions: −1 for a rotation the other way, else 1, the same shape.
         rotating, resting: which go round, and which stay; the same shape.
+        narrow: what is known of narrow librations, shape (separated, ``ROWS``, n).
         good: where turning points are known, shape (n,).
     """
 
@@ -59,6 +53,7 @@ class Frames(NamedTuple):
     directions: Reals
     rotating: Mask
     resting: Mask
+    narrow: Reals
     good: Mask
 
     def take(self, index: Integers | Mask) -> Frames:
@@ -106,17 +101,23 @@ def blurred(frames: Frames, at: Placed) -> Reals:
         return np.where(between, EPS * np.abs(at.q) / frames.widths + sines * at.rounding / np.abs(at.P), 0.0)
 
 
-def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, resting: Mask) -> Frames:
+def frames_of(
+    task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, resting: Mask, narrow: Reals
+) -> Frames:  # fmt: skip
     """Find the turning points of tori in two doubles.
 
     Args:
         directions: sign of each rotation.
         rotating, resting: which go round, and which stay at their place; shape (separated, n).
+        narrow: what is known of narrow librations, shape (separated, ``ROWS``, n).
     """
     size, n = tori.q.shape
     bases, widths, good = np.zeros((size, 4, n)), np.zeros((size, n)), np.ones(n, dtype=bool)
+    tight = narrow_ones(narrow)
     for k in range(size):
-        moving = ~rotating[k] & ~resting[k]
+        some = np.flatnonzero(tight[k])
+        bases[k][:, some], widths[k, some] = turning_points(task.model.separated[k], narrow[k][:, some])
+        moving = ~rotating[k] & ~resting[k] & ~tight[k]
         some = np.flatnonzero(moving)
         if not len(some):
             continue
@@ -137,7 +138,7 @@ def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, re
             bases[k][:, left] = refined(task, own, k, found.places)
             widths[k, left] = width_of(task, k, bases[k][:, left])
             good[left] &= (F > 0) & (widths[k, left] > 0) & np.isfinite(bases[k][:, left]).all(axis=0)
-    return Frames(bases, widths, directions, rotating, resting, good)
+    return Frames(bases, widths, directions, rotating, resting, narrow, good)
 
 
 def ends_of(task: AngleTask, tori: Tori, k: int, widths: Reals, *, pairs: int) -> tuple[Reals, Reals, Mask]:
@@ -203,9 +204,11 @@ def placed(
     m = len(task.model.constants)
     found = Placed._make((*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n)), *np.zeros((2, size, n))))
     for k in range(size):
-        stays, turns = frames.resting[k], frames.rotating[k]
+        stays, turns, tight = frames.resting[k], frames.rotating[k], narrow_ones(frames.narrow)[k]
         between = partial(_between, exact=exact, bounds=bounds)
-        for some, how in ((stays, _at_rest), (turns, _on_turn), (~stays & ~turns, between)):
+        for some, how in (
+            (stays, _at_rest), (turns, _on_turn), (tight, _about_maximum), (~stays & ~turns & ~tight, between),
+        ):  # fmt: skip
             index = np.flatnonzero(some)
             if len(index):
                 part = how(task, tori.take(index), frames.take(index), k, φ[k, index])
@@ -219,17 +222,9 @@ _Row = tuple[Reals, Reals, Reals, Reals, Reals, Reals, Reals]
 
 def _at_rest(task: AngleTask, tori: Tori, _: Frames, k: int, φ: Reals) -> _Row:
     """Return a coordinate that stays where F′ = 0: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
-    q = tori.q[k]
-    for _step in range(_PAIR_STEPS):
-        one = coordinate_at(*task, tori._replace(q=changed(tori.q, k, q)), k)
-        formula = sides(one.coordinate)[0]
-        given = np.stack([offset(formula, q), *one.constants])
-        with np.errstate(all="ignore"):
-            _, _, bend = run_rows(one.programs.views[0].bend, one.parameters, given)
-            (slope,) = run_rows(one.programs.small.slope, one.parameters, np.stack([q, *one.constants, *one.low]))
-            q = q - slope / bend
+    q, bend = summits(coordinate_at(*task, tori, k), tori.q[k])
     with np.errstate(all="ignore"):
-        rates = kernels(one) / np.sqrt(-0.5 * bend)
+        rates = kernels(coordinate_at(*task, tori._replace(q=changed(tori.q, k, q)), k)) / np.sqrt(-0.5 * bend)
     return q, 0 * φ, 0 * φ, 0 * φ, rates, 0 * φ, 0 * φ
 
 
@@ -245,6 +240,30 @@ def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
         slope = slope * sides(one.coordinate)[0].sign
         forces = direction * slope / (2 * root) * direction
         return q, direction * root, direction, forces, kernels(one) / root, 0 * φ, 0 * φ
+
+
+def _about_maximum(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
+    """Return a narrow libration."""
+    s, c = _sines(φ)
+    with np.errstate(all="ignore"):
+        at, (square, slope, noise, weights) = narrow_at(coordinate_at(*task, tori, k), frames.narrow[k], s, c, NEXT)
+        return _row(at, (square, slope, noise, weights), frames.widths[k] * s * c)
+
+
+def _sines(φ: Reals) -> tuple[Reals, Reals]:
+    """Return sin and cos of φ/2, not 0."""
+    s, c = (np.where(np.abs(x) < _TURNING, np.copysign(_TURNING, x), x) for x in (np.sin(0.5 * φ), np.cos(0.5 * φ)))
+    return s, c
+
+
+def _row(at: Pair, squares_: tuple[Reals, Reals, Reals, Reals], moves: Reals) -> _Row:
+    """Return a row from p², its slope, what is not known of it, and the kernels over p; ``moves`` is ½ W sin φ."""
+    square, slope, noise, weights = squares_
+    root = np.sqrt(square)
+    turns = np.abs(moves) / root  # finite at turning points
+    rounding = np.fmin(0.5 * noise / root, np.sqrt(noise))
+    P = np.where(moves < 0, -1.0, 1.0) * root
+    return at.high, P, moves, 0.5 * slope * turns, weights * turns, rounding, at.low
 
 
 def changed(rows: Reals, k: int, values: Reals) -> Reals:
@@ -263,9 +282,8 @@ def changed(rows: Reals, k: int, values: Reals) -> Reals:
 def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, exact: bool, bounds: bool) -> _Row:
     """Return a coordinate between turning points, seen from the nearer one."""
     one, W, bases = coordinate_at(*task, tori, k), frames.widths[k], frames.bases[k]
-    D, s, c = DoubleDouble(), np.sin(0.5 * φ), np.cos(0.5 * φ)
+    D, (s, c) = DoubleDouble(), _sines(φ)
     lower = np.abs(s) <= np.abs(c)
-    s, c = (np.where(np.abs(x) < _TURNING, np.copysign(_TURNING, x), x) for x in (s, c))
     square, slope, noise, at = np.empty_like(φ), np.empty_like(φ), np.zeros_like(φ), np.empty((2, len(φ)))
     weights = np.empty((len(one.constants), len(φ)))
     for side, formula in enumerate(sides(one.coordinate)):
@@ -296,9 +314,4 @@ def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, 
         # in two doubles: next to q = 0 places far from the origin of the view keep their digits
         at[:, index] = D.add(formula.origin, Pair(formula.sign * base.high, formula.sign * base.low))
     with np.errstate(all="ignore"):
-        root = np.sqrt(square)
-        moves = W * s * c  # dq/dφ = ½ W sin φ
-        turns = np.abs(moves) / root  # finite at turning points
-        rounding = np.fmin(0.5 * noise / root, np.sqrt(noise))
-        P = np.where(s * c < 0, -1.0, 1.0) * root
-        return at[0], P, moves, 0.5 * slope * turns, weights * turns, rounding, at[1]
+        return _row(Pair(at[0], at[1]), (square, slope, noise, weights), W * s * c)

@@ -20,9 +20,9 @@ from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.starts import Starts, given_momenta
 from hjsolve.ensembles.to_states.newton_on_actions import Asked, newton_step
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask, refined
+from hjsolve.ensembles.to_states.places_on_tori import refined
 from hjsolve.ensembles.to_states.short_arcs import inverses
-from hjsolve.ensembles.to_states.tori import ALONE, Actions, Tori, joined
+from hjsolve.ensembles.to_states.tori import ALONE, Actions, AngleTask, Tori, joined
 
 _SEEDS = 1500
 """How many states are tried."""

@@ -27,8 +27,8 @@ from hjsolve.arithmetic.machine.over_rows import WIDTH, run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.kernels.short_arcs import ArcsOfLibrations, arc_integrals, lanes
 from hjsolve.ensembles.engine.programs import sides
-from hjsolve.ensembles.to_states.places_on_tori import NEXT, AngleTask, Frames
-from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
+from hjsolve.ensembles.to_states.places_on_tori import NEXT, Frames
+from hjsolve.ensembles.to_states.tori import AngleTask, Tori, coordinate_at
 
 _FEW, _NODES, _MORE = (np.polynomial.legendre.leggauss(n) for n in (12, 20, 32))
 """Nodes on an arc and their weights."""

@@ -17,10 +17,11 @@ from hjsolve.ensembles.engine.coordinate_of_orbits import place
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
 from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, angles_along, followed, followed_at
+from hjsolve.ensembles.to_states.narrow_librations import narrow_librations, narrow_ones, turning_points
 from hjsolve.ensembles.to_states.phases_of_angles import SETTLED, SMALL, phases_of
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed, refined, width_of
+from hjsolve.ensembles.to_states.places_on_tori import Frames, Placed, blurred, placed, refined, width_of
 from hjsolve.ensembles.to_states.short_arcs import FINE, Passages, ShortArcs, angles_by_arcs, inverses, times, wrapped
-from hjsolve.ensembles.to_states.tori import DOUBLES, Tori
+from hjsolve.ensembles.to_states.tori import DOUBLES, AngleTask, Tori
 
 _ROUNDING_ERROR = 5.0
 """Rounding of q, over W: from where the engine reads the phase off q, sin φ > 0.43."""
@@ -115,6 +116,7 @@ def _quotients(
         approximate = rough.good & (apart <= np.where(short, _ALIKE_AS_PART * np.abs(found.separated), _ALIKE)).all(
             axis=0
         )
+        approximate &= ~narrow_ones(frames.narrow).any(axis=0)  # the height of these is not that of the constants
     for k in range(size):
         left = (spread[k] > 0) & found.good & ~frames.resting[k]
         for roughly in (True, False):
@@ -129,7 +131,7 @@ def _quotients(
                 angles, among, fine = _roughly(task, own, among, (φ[:, loose], short[:, loose]))
                 left[loose[fine]] = False
             else:
-                angles, among = _in_doubles(task, own, among, (φ[:, loose], short[:, loose]))
+                angles, among = _in_doubles(task, own, among, (φ[:, loose], short[:, loose]), J[:, loose] + change)
                 fine = np.ones(len(loose), dtype=bool)
             other = placed(task, own, among, φ[:, loose])
             here_ = plain if roughly else (found.separated, found.ignorable)
@@ -168,25 +170,28 @@ def _rough_angles(
 
 
 def _in_doubles(
-    task: AngleTask, tori: Tori, frames: Frames, which: tuple[Reals, Mask]
+    task: AngleTask, tori: Tori, frames: Frames, which: tuple[Reals, Mask], J: Reals
 ) -> tuple[tuple[Reals, Reals], Frames]:
-    """Angles by the engine, or from turning points, and the turning points."""
-    among = _moved(task, tori, frames)
+    """Angles by the engine, or from turning points, and the turning points, of tori that have actions J."""
+    among = _moved(task, tori, frames, J)
     found = angles_at(task, tori, among, placed(task, tori, among, which[0]), DOUBLES)
     _by_short_arcs(task, tori, among, found, which)
     return (found.separated, found.ignorable), among
 
 
-def _moved(task: AngleTask, tori: Tori, frames: Frames) -> Frames:
-    """Return the turning points of tori that are next to those of some frames."""
-    bases, widths = frames.bases.copy(), frames.widths.copy()
+def _moved(task: AngleTask, tori: Tori, frames: Frames, J: Reals) -> Frames:
+    """Return the turning points of tori that are next to those of some frames, and have actions J."""
+    bases, widths, tight = frames.bases.copy(), frames.widths.copy(), narrow_ones(frames.narrow)
+    narrow = narrow_librations(task, tori, J, np.where(tight, np.inf, 0.0), tight).rows
     for i in range(len(widths)):
-        some = np.flatnonzero(~frames.rotating[i] & ~frames.resting[i])
+        some = np.flatnonzero(tight[i])
+        bases[i][:, some], widths[i, some] = turning_points(task.model.separated[i], narrow[i][:, some])
+        some = np.flatnonzero(~frames.rotating[i] & ~frames.resting[i] & ~tight[i])
         if len(some):
             ends = np.stack([_doubles(task, i, bases[i][:, some], side) for side in (0, 1)])
             bases[i][:, some] = refined(task, tori.take(some), i, ends, _QUOTIENT_STEPS)
             widths[i, some] = width_of(task, i, bases[i][:, some])
-    return frames._replace(bases=bases, widths=widths)
+    return frames._replace(bases=bases, widths=widths, narrow=narrow)
 
 
 def _by_short_arcs(task: AngleTask, tori: Tori, frames: Frames, found: AnglesFound, which: tuple[Reals, Mask]) -> None:

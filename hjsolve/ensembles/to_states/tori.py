@@ -27,9 +27,18 @@ FINER = 2.0**-100
 """What two doubles leave open of a constant, relatively."""
 _KEPT = Kept(3e-13, 1e-10)
 """Relative errors of J, and of ∂J/∂c, up to which p² in doubles does: the latter only lead to the next torus."""
+_SUMMIT_STEPS, _STILL = 8, 1e-12
+"""Steps of Newton's method for the maximum of p², and the relative step that ends them."""
 ALONE = Modes(chords=False, kernels=True, oscillations=False, shifts=False)
 APPROXIMATE, DOUBLES, EXACT = range(3)
 """How J is worked out: with few nodes and no errors; in doubles; with p² to 32 digits where doubles are not enough."""
+
+
+class AngleTask(NamedTuple):
+    """A system with its programs."""
+
+    model: Model
+    programs: SystemPrograms
 
 
 class Tori(NamedTuple):
@@ -88,6 +97,16 @@ class Actions(NamedTuple):
         return Actions._make(x[..., index] for x in self)
 
 
+def unknown_of(slopes: Reals, constants: Reals) -> Reals:
+    """Return what constants in two doubles leave open of J, and p² from them, shape (separated, n).
+
+    Args:
+        slopes: ∂J/∂c, shape (separated, constants, n).
+        constants: shape (constants, n).
+    """
+    return FINER * np.einsum("kcn,cn->kn", np.abs(slopes), np.abs(constants))
+
+
 _Bundle = TypeVar("_Bundle", Tori, Actions)
 
 
@@ -143,6 +162,25 @@ def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
     climbed(program, x, one.constants, *_ends(one), bend, np.empty((4, WIDTH)))
     with np.errstate(invalid="ignore"):
         return place(formula, x), bend
+
+
+def summits(one: CoordinateOfOrbits, q: Reals) -> tuple[Reals, Reals]:
+    """Return the maxima of F next to places, by Newton's method with F′ from 32 digits, and F″ there.
+
+    Args:
+        q: places, shape (n,).
+    """
+    formula, small = sides(one.coordinate)[0], one.programs.small
+    with np.errstate(all="ignore"):
+        for _ in range(_SUMMIT_STEPS):
+            given = np.stack([offset(formula, q), *one.constants])
+            bend = run_rows(one.programs.views[0].bend, one.parameters, given)[2]
+            (slope,) = run_rows(small.slope, one.parameters, np.stack([q, *one.constants, *one.low]))
+            step = np.where(bend < 0, slope / bend, 0.0)
+            q = q - step
+            if not (np.abs(step) > _STILL * np.abs(q)).any():
+                break
+    return q, bend
 
 
 def _ends(one: CoordinateOfOrbits) -> tuple[float, float]:
