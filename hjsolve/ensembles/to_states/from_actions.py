@@ -46,6 +46,8 @@ _CHUNK, _LEAST_CHUNK = 32768, 8192
 """Orbits that one thread treats at a time: half of them, for two threads, but not fewer than the second number."""
 _LEFT_OVER = 20
 """The last of so many orbits start again together with others."""
+_LAST_LEFT_OVER = 1000
+"""The last of so many orbits are left to single motions."""
 _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
 _NEAR_UNIT = 2.0**8
@@ -248,6 +250,7 @@ def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers
         twice = several | (solved.good & done[some])
         ambiguous[some[twice]] = True
         done[some[solved.good]] = True
+        solved.good[twice] = False
         _written(task, found, ready.angles, (index[some], pattern), solved)
     _withdrawn(found, index[ambiguous])
 
@@ -302,8 +305,8 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
             break
         rounds = ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON
         pool = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, good]) if len(good) else seeds
-        begin = start(pool, lost, again=attempt == _AGAIN - 1)
-        solved.put(lost, constants_of_tori(task, begin, goals.take(lost), rounds))
+        begin, few = start(pool, lost, again=attempt == _AGAIN - 1), everything.shape[1] // _LAST_LEFT_OVER
+        solved.put(lost, constants_of_tori(task, begin, goals.take(lost), rounds, few=few))
     return solved
 
 

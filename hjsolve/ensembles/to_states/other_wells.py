@@ -15,7 +15,7 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Solved, constants_of_tori
-from hjsolve.ensembles.to_states.seeds import Seeds, begun, nearest, shapes, some_first
+from hjsolve.ensembles.to_states.seeds import Seeds, begun, nearest, nearest_apart, some_first
 from hjsolve.ensembles.to_states.tori import AngleTask, Tori, joined
 from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
 
@@ -89,8 +89,10 @@ def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wante
         )  # fmt: skip
         their = landscape.wells(both.tori, np.tile(asked.goals.rotating[:, known], 2))
         near, _ = _nearest_apart([one.take(some) for one in first], their, asked.sizes[:, some], both.actions)
+        some, near = some[near >= 0], near[near >= 0]
         from_there(some, begun(both, near[None], asked.take(some)))
-        look_around(some[~several[good[some]]])
+        left = some[~several[good[some]]]
+        look_around(left[several[good][nearest(asked.sizes, asked.sizes[:, left])].any(axis=0)])
     return several
 
 
@@ -132,11 +134,6 @@ def _nearest_apart(
         here, there: wells of orbits, and of tori that are known.
         sizes, known: the actions of both.
     """
-    apart = np.zeros((sizes.shape[1], known.shape[1]), dtype=bool)
-    for own, other in zip(here, there, strict=True):
-        apart |= (other.high <= own.low[:, None]) | (own.high[:, None] <= other.low)
-    x, y = shapes(sizes), shapes(known)
-    square = (x**2).sum(axis=0)[:, None] + (y**2).sum(axis=0) - 2 * x.T @ y
-    square[~apart] = np.inf
-    near = square.argmin(axis=1)
-    return near, square[np.arange(len(near)), near]
+    ends, around = (np.stack([*(x.low for x in wells), *(x.high for x in wells)]) for wells in (here, there))
+    near, square = nearest_apart(known, sizes, around, ends, 1)
+    return near[0], square[0]

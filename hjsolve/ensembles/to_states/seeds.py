@@ -126,9 +126,33 @@ def nearest(seeds: Reals, wanted: Reals) -> Integers:
         seeds: actions, shape (names, seeds).
         wanted: actions, shape (names, n).
     """
-    found = np.zeros((min(2 * len(wanted) + 1, seeds.shape[1]), wanted.shape[1]), dtype=np.int64)
-    nearest_points(shapes(seeds), shapes(wanted), found, np.empty(seeds.shape[1]))
-    return found
+    count, none = min(2 * len(wanted) + 1, seeds.shape[1]), np.zeros((0, 0))
+    return nearest_apart(seeds, wanted, none, none, count)[0]
+
+
+def nearest_apart(seeds: Reals, wanted: Reals, there: Reals, here: Reals, count: int) -> tuple[Integers, Reals]:
+    """Return which seeds in other wells have the nearest actions, and the squares of how far off they are.
+
+    Args:
+        seeds: actions, shape (names, seeds).
+        wanted: actions, shape (names, n).
+        there, here: lower and upper ends of the wells, shapes (ends, seeds) and (ends, n); no rows where they do not
+            matter.
+        count: how many are wanted.
+
+    Returns:
+        Positions, −1 for none, and squares, shape (count, n).
+    """
+    points, places = shapes(seeds), shapes(wanted)
+    axes = np.argsort(-np.ptp(points, axis=1), kind="stable") if points.shape[1] else np.arange(len(points))
+    order = np.argsort(points[axes[0]], kind="stable")
+    found, squares = np.empty((count, places.shape[1]), dtype=np.int64), np.empty((count, places.shape[1]))
+    rows = (
+        np.ascontiguousarray(x)
+        for x in (points[axes][:, order], places[axes], there[:, order] if len(there) else there, here)
+    )
+    nearest_points(*rows, found, squares)
+    return np.where(found < 0, -1, order[found]), squares
 
 
 def shapes(actions: Reals) -> Reals:

@@ -12,46 +12,72 @@ from __future__ import annotations
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.compiling import helper, kernel
+from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel
 from hjsolve.arithmetic.number_types import Integers, Reals
 
 _FLAT = 1e-4  # square of the part of all distances below which a dimension needs no Σ λᵢ dᵢ = 0
 _LARGEST = 8.0  # sum of the sizes of the weights
 
 
+@inlined
+def _apart(wells: Reals, here: Reals, j: int, i: int) -> bool:
+    """Tell whether a point and a place lie in different wells; rows: lower ends, then upper ends; all do without."""
+    size = wells.shape[0] // 2
+    found = size == 0
+    for k in range(size):
+        found = found or wells[size + k, j] <= here[k, i] or here[size + k, i] <= wells[k, j]
+    return found
+
+
 @helper
-def _distances(points: Reals, wanted: Reals, i: int, squares: Reals) -> None:
-    for j in range(squares.shape[0]):
-        squares[j] = 0.0
-    for k in range(points.shape[0]):
-        row, own = points[k], wanted[k, i]
-        for j in range(squares.shape[0]):
-            squares[j] += (row[j] - own) * (row[j] - own)
+def _next(points: Reals, place: float, left: int, right: int) -> int:
+    """Return which of two points, on either side of a place, is nearer along the first axis; −1 for none."""
+    if left < 0:
+        return right if right < points.shape[1] else -1
+    if right == points.shape[1]:
+        return left
+    return left if place - points[0, left] < points[0, right] - place else right
 
 
 @kernel
-def nearest_points(points: Reals, wanted: Reals, found: Integers, squares: Reals) -> None:
-    """Find the nearest points of each place.
+def nearest_points(points: Reals, wanted: Reals, wells: Reals, here: Reals, found: Integers, squares: Reals) -> None:
+    """Find the nearest points of each place, from the nearest along the first axis outward.
 
     Args:
-        points: shape (dimensions, points).
+        points: shape (dimensions, points), ascending along the first axis.
         wanted: places, shape (dimensions, n).
-        found: filled with the positions of the nearest points, the nearest one first, shape (neighbours, n).
-        squares: scratch, shape (points,).
+        wells, here: lower and upper ends of the wells of points and places, shapes (ends, points) and (ends, n); only
+            points in other wells count. No rows where all do.
+        found: filled with the positions of the nearest points, the nearest one first, shape (neighbours, n); −1 for
+            none.
+        squares: filled with the squares of their distances, the same shape.
     """
-    count, last = 0, found.shape[0] - 1
+    last, dimensions = found.shape[0] - 1, points.shape[0]
     for i in range(wanted.shape[1]):
-        _distances(points, wanted, i, squares)
-        count = 0
-        for j in range(squares.shape[0]):
-            if count > last and not squares[j] < squares[found[last, i]]:
-                continue
-            at = min(count, last)
-            while at > 0 and squares[j] < squares[found[at - 1, i]]:
-                found[at, i] = found[at - 1, i]
-                at -= 1
-            found[at, i] = j
-            count += 1
+        low, high = 0, points.shape[1]
+        while low < high:
+            middle = (low + high) // 2
+            if points[0, middle] < wanted[0, i]:
+                low = middle + 1
+            else:
+                high = middle
+        for k in range(last + 1):
+            found[k, i], squares[k, i] = -1, np.inf
+        left, right = low - 1, low
+        while True:
+            j = _next(points, wanted[0, i], left, right)
+            if j < 0 or (points[0, j] - wanted[0, i]) ** 2 >= squares[last, i]:
+                break
+            left, right = min(left, j - 1), max(right, j + 1)
+            square = 0.0
+            for k in range(dimensions):
+                square += (points[k, j] - wanted[k, i]) * (points[k, j] - wanted[k, i])
+            if square < squares[last, i] and _apart(wells, here, j, i):
+                at = last
+                while at > 0 and square < squares[at - 1, i]:
+                    found[at, i], squares[at, i] = found[at - 1, i], squares[at - 1, i]
+                    at -= 1
+                found[at, i], squares[at, i] = j, square
 
 
 @helper
