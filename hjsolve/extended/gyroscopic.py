@@ -126,7 +126,7 @@ class ModalMotion(Shown):
     modes: LinearModes
     start: tuple[sp.Expr, ...]
     motion: Motion | None
-    _ends: dict[int, tuple[Mpf, Estimate | None]] = field(default_factory=dict)
+    _ends: dict[int, tuple[Mpf, Estimate | None]] = field(default_factory=dict, repr=False)
 
     @property
     def kinds(self) -> Mapping[str, str]:
