@@ -37,7 +37,7 @@ from hjsolve.one_coordinate.coordinate_motion import Periodic
 from hjsolve.one_coordinate.fourier_series import FourierSeries, fit
 from hjsolve.one_coordinate.phase_map import Place
 
-_GUARD = 24
+_GUARD = 24  # bits beyond those that terms and products lose
 
 
 class Waves:
