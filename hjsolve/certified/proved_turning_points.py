@@ -15,10 +15,10 @@ from hjsolve.arithmetic.ball import flint, from_mpf, working
 from hjsolve.certified.ball_radicand import BallMomentumSquared
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 
-_BITS = 128
-_MOST_STEPS = 240
-_SMALLEST = 2.0**-60
-_NEWTON = 30
+_BITS = 128  # of the balls of the walk: 22 digits more than doubles have
+_MOST_STEPS = 240  # each up to twice the last: a factor of 10⁷² in all
+_SMALLEST = 2.0**-60  # of the first step: below, a double plus the step is the double
+_NEWTON = 30  # in a bracket, for a centre of 25 bits: a simple zero takes five from nearby
 
 
 @dataclass(frozen=True)

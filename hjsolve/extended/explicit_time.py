@@ -21,6 +21,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotSeparableError, required
 from hjsolve.extended.coefficients_of_action import PrincipalCoefficients, principal_coefficients
+from hjsolve.extended.ends_of_domains import Wall, walls_of
 from hjsolve.extended.found_frames import find_frame
 from hjsolve.extended.gyroscopic import equations, phase_space
 from hjsolve.extended.moving_frame import Frame
@@ -28,7 +29,8 @@ from hjsolve.extended.moving_frame_motion import FramedMotion, start_framed_moti
 from hjsolve.extended.quadratic_flow import QuadraticFlow, with_action
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, hamiltonian
-from hjsolve.motion.initial_data import read_phase_point, refuse_ends_of_domains
+from hjsolve.motion.charted.collisions import between
+from hjsolve.motion.initial_data import read_phase_point
 from hjsolve.motion.shapes import by_coordinate
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
@@ -99,6 +101,7 @@ class QuadraticMotion(Shown):
         t0: the initial time, exact.
         digits: of the numbers.
         rest: H₀(t), H where q and p are 0.
+        walls: ends of domains, where it ends.
     """
 
     system: System
@@ -107,6 +110,7 @@ class QuadraticMotion(Shown):
     t0: sp.Expr
     digits: int
     rest: sp.Expr
+    walls: tuple[Wall, ...] = ()
 
     @property
     def kinds(self) -> Mapping[str, str]:
@@ -127,7 +131,8 @@ class QuadraticMotion(Shown):
     def at(self, t: object) -> State:
         """Return the state at a time or at an array of times; as ``Motion.at``, angles not counted in turns."""
         shape, times = exact_numbers(t, "t")
-        found, bounds = self.flow.integrate([list(self.start)], self.t0, times, max(self.digits, 15))
+        digits = max(self.digits, 15)
+        found, bounds, ends = self.flow.integrate([list(self.start)], self.t0, times, digits, self.walls)
         n = len(self.system.coordinates)
         rates, sizes = self._speeds(times, [states[0] for states in found])
         context = bounds[0].context if bounds else None
@@ -140,7 +145,8 @@ class QuadraticMotion(Shown):
             return Errors(*self._named(errors + unit * np.abs(rows), shape))
 
         q, p, velocity = self._named(rows, shape)
-        return State(t, q, p, velocity, {}, np.full(shape, "ok") if shape else "ok", uncertain)
+        state = State(t, q, p, velocity, {}, np.full(shape, "ok") if shape else "ok", uncertain)
+        return state if ends == (None, None) else between(ends, state)
 
     def coefficients(self, t: object) -> PrincipalCoefficients:
         """Return A, B and C of S = ½ q·A q + B·q + C at a time, α = p(t0) constant: ∂S/∂q = A q + B and S(q, t0) = α·q.
@@ -158,7 +164,7 @@ class QuadraticMotion(Shown):
         columns = [[sp.S.One if j == k else x for j, x in enumerate(still)] for k in range(n)]
 
         def followed(digits: int) -> tuple[list[list[Mpf]], Mpf]:
-            (states,), (bound,) = flow.integrate([alpha, still, *columns], self.t0, [moment], digits)
+            (states,), (bound,), _ = flow.integrate([alpha, still, *columns], self.t0, [moment], digits)
             return states, bound
 
         return principal_coefficients(t, n, followed, max(self.digits, 15))
@@ -228,7 +234,6 @@ def _quadratic_motion(
     system: System, q: Mapping[str, object], velocity: Mapping[str, object] | None, p: Mapping[str, object] | None,
     parameters: Mapping[str, object], t0: object, digits: int,
 ) -> QuadraticMotion:  # fmt: skip
-    refuse_ends_of_domains(system)
     flow, start = required(_quadratic(system)), number(t0, source="t0")
     values, z = (
         read_phase_point(system, q, velocity, p, {**parameters, required(system.time).name: start}),
@@ -237,4 +242,5 @@ def _quadratic_motion(
     fixed = {x.symbol: values[x.symbol] for x in system.parameters if x.symbol != system.time}
     numbers = QuadraticFlow(flow.matrix.subs(fixed), flow.force.subs(fixed), flow.time)
     rest = hamiltonian(system).subs(dict.fromkeys(z, 0)).subs(fixed)
-    return QuadraticMotion(system, numbers, tuple(values[x] for x in z), start, digits, rest)
+    walls = walls_of(system, fixed)
+    return QuadraticMotion(system, numbers, tuple(values[x] for x in z), start, digits, rest, walls)

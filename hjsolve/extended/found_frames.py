@@ -20,9 +20,11 @@ import numpy as np
 import sympy as sp
 from sympy.simplify.fu import TR8
 
+from hjsolve.arithmetic.floats import Float64
 from hjsolve.errors import HJSolveError, required
 from hjsolve.extended.change_of_frame import verified
 from hjsolve.extended.moving_frame import Frame
+from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
@@ -175,9 +177,9 @@ def _soluble(conditions: list[sp.Expr], unknown: list[sp.Dummy], varied: list[sp
     places = np.random.default_rng(7).uniform(0.4, 1.6, (6 * len(unknown) + 8, len(varied)))
     values = np.random.default_rng(8).uniform(0.5, 1.5, len(fixed))
     rows = [[*(sp.diff(c, u) for u in unknown), c.subs(dict.fromkeys(unknown, 0))] for c in conditions]
-    found = sp.lambdify([*varied, *fixed], rows, "numpy")
     with np.errstate(all="ignore"):
-        table = np.array([row for place in places for row in found(*place, *values)], dtype=float)
+        columns = lower([e for row in rows for e in row], [*varied, *fixed]).run(Float64(), [*places.T, *values])
+    table = np.stack([np.broadcast_to(c, len(places)) for c in columns], axis=1).reshape(-1, len(unknown) + 1)
     table = table[np.isfinite(table).all(axis=1)]
     if not len(table):
         return True

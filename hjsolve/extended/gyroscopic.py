@@ -13,8 +13,8 @@ The modes are oscillators, those with σ = −1 of negative energy: stable by gy
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,12 +26,14 @@ from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import AtTimes, Context, Mpc, Mpf, MpfMatrix, Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, MissingValueError
+from hjsolve.extended.ends_of_domains import Approach, Wall, first_end, walls_of
 from hjsolve.extended.linear_flow import Factor, LinearFlow, LinearPath, affine, flow_of, path_of
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix
-from hjsolve.motion.initial_data import parameter_values, read_phase_point, refuse_ends_of_domains, to_bits
+from hjsolve.motion.charted.collisions import Ends, between
+from hjsolve.motion.initial_data import parameter_values, read_phase_point, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.shapes import by_coordinate
 from hjsolve.motion.state import Errors, State
@@ -93,9 +95,8 @@ class LinearModes(Shown):
             p: its canonical momentum.
 
         Raises:
-            InvalidInputError: velocity and p are both given or both missing, or a coordinate has a domain with an end.
+            InvalidInputError: velocity and p are both given or both missing, or a place is outside its domain.
         """
-        refuse_ends_of_domains(self.system)
         parameters = {x.name: self.values[x.symbol] for x in self.system.parameters}
         values = read_phase_point(self.system, q, velocity, p, parameters)
         start = tuple(values[x] for x in phase_space(self.system))
@@ -125,6 +126,7 @@ class ModalMotion(Shown):
     modes: LinearModes
     start: tuple[sp.Expr, ...]
     motion: Motion | None
+    _ends: dict[int, tuple[Mpf, Estimate | None]] = field(default_factory=dict, repr=False)
 
     @property
     def kinds(self) -> Mapping[str, str]:
@@ -171,7 +173,43 @@ class ModalMotion(Shown):
 
         q, p, velocity = self._named(values, shape)
         status = np.full(shape, "ok") if shape else "ok"
-        return State(t, q, p, velocity, {}, status, errors)
+        state = State(t, q, p, velocity, {}, status, errors)
+        ends = self._ends_within(path, times)
+        return state if ends == (None, None) else between(ends, state)
+
+    def _ends_within(self, path: LinearPath, times: Sequence[sp.Expr]) -> Ends:
+        """Return when the motion came into its domain and leaves it, None where that is outside of the times."""
+        walls, found = walls_of(self.modes.system, self.modes.values), []
+        for sign in (-1, 1):
+            zero, bits = path.context.mpf(0), path.context.prec
+            span = max([path.context.convert(to_bits(sign * t)(bits)) for t in times] + [zero])
+            known, end = self._ends.get(sign, (zero, None))
+            if end is None and known < span:
+                end = self._first_end(path, walls, sign, span)
+                self._ends[sign] = span, end
+            found.append(end)
+        return found[0], found[1]
+
+    def _first_end(self, path: LinearPath, walls: Sequence[Wall], sign: int, span: Mpf) -> Estimate | None:
+        A, b = equations(self.modes.system, self.modes.values)
+        rows, n = A.row_join(b), len(self.modes.system.coordinates)
+        speeds = [[to_bits(x)(path.context.prec) for x in rows.row(i)] for i in range(2 * n)]
+        size = max(path.context.fsum(map(abs, row)) for row in speeds)  # |A|: an error δ of z has |δ̈| = |A² δ|
+
+        def at(s: Mpf) -> Approach:
+            z, error = path.at(sign * s), path.bound(sign * s)
+            return Approach(z[:n], [sign * path.context.fdot(row, z) for row in speeds[:n]], error, size * error)
+
+        def bends(row: int, s: Mpf, until: Mpf) -> Mpf:
+            return path.bend(row, sign * s, sign * until) + size**2 * path.bound(sign * until)
+
+        near = []
+        for wall in walls:
+            fixed, rest = path.stays_within(wall.row, sign * span)
+            if wall.side * (fixed - to_bits(wall.end)(path.context.prec)) <= rest:
+                near.append(wall)
+        end = first_end(near, path.context.mpf(0), span, at, bends)
+        return end if end is None or sign > 0 else Estimate(-end.value, end.error)
 
     def _path(self, span: sp.Expr) -> LinearPath:
         A, b = equations(self.modes.system, self.modes.values)

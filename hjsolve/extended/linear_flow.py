@@ -20,6 +20,7 @@ that are asked.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import comb
 from typing import Any
 
 import sympy as sp
@@ -221,6 +222,32 @@ class LinearPath:
                 residual += power * t**j / self.context.factorial(j) * rest
         rounding = 64 * growth * self.context.ldexp(1, -self.context.prec) * (1 + self._phase(t))
         return 2 * growth * (self.start + t * residual) + rounding * self.scale
+
+    def bend(self, i: int, start: Mpf, stop: Mpf) -> Mpf:
+        """Return a bound on |d²z_i/dt²| from one time to another, errors of z apart.
+
+        Args:
+            start, stop: times after the start, of one sign, the second farther away.
+        """
+        return self._size_of(i, 2, start, stop)
+
+    def stays_within(self, i: int, stop: Mpf) -> tuple[Mpf, Mpf]:
+        """Return the part of a number that does not vary, and a bound on the rest from the start to a time."""
+        fixed = next((self.context.re(v[0][i]) for λ, v in self.terms if λ == 0), self.context.mpf(0))
+        return fixed, self._size_of(i, 0, self.context.mpf(0), stop) + self.bound(stop)
+
+    def _size_of(self, i: int, order: int, start: Mpf, stop: Mpf) -> Mpf:
+        """Bound on a derivative of z_i − fixed: each factor t^j/j! is differentiated k times, e^{λt} the others."""
+        total, t = self.context.mpf(0), abs(stop)
+        for λ, v in self.terms:
+            power = self.context.exp(max(self.context.re(λ) * start, self.context.re(λ) * stop))
+            for j, column in enumerate(v):
+                if λ == 0 and j == 0:
+                    continue
+                parts = ((abs(λ) ** (order - k) * comb(order, k), j - k) for k in range(min(order, j) + 1))
+                slope = self.context.fsum(size * t**left / self.context.factorial(left) for size, left in parts)
+                total += power * slope * abs(column[i])
+        return total
 
     def _phase(self, t: Mpf) -> Mpf:
         """Return the size of the greatest argument of an exponential: its rounding moves the phase."""

@@ -22,6 +22,7 @@ p·q̇ − H = ½ d(p·q)/dt − ½ h·z − H₀, so that one more linear equat
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,11 +30,14 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.complex_disks import Disks, single
+from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.arithmetic.power_series import PowerSeriesArithmetic
 from hjsolve.errors import NotConvergedError
+from hjsolve.extended.ends_of_domains import Approach, Wall, first_end
 from hjsolve.lowering import lower
+from hjsolve.motion.charted.collisions import Ends
 from hjsolve.motion.initial_data import to_bits
 
 _RATIO = 4
@@ -56,41 +60,56 @@ class QuadraticFlow:
     time: sp.Symbol
 
     def integrate(
-        self, starts: list[list[sp.Expr]], t0: sp.Expr, times: list[sp.Expr], digits: int
-    ) -> tuple[list[list[list[Mpf]]], list[Mpf]]:
+        self,
+        starts: list[list[sp.Expr]],
+        t0: sp.Expr,
+        times: list[sp.Expr],
+        digits: int,
+        walls: Sequence[Wall] = (),
+    ) -> tuple[list[list[list[Mpf]]], list[Mpf], Ends]:
         """Follow several initial states to several times.
 
         Args:
             starts: states at t0, exact.
             times: exact, in any order.
             digits: of the numbers, relative to the largest.
+            walls: ends of domains, which the first of the states is not followed beyond.
 
         Returns:
-            For each time the states, and a bound on the error of each of their numbers.
+            For each time the states, and a bound on the error of each of their numbers; of no meaning beyond the first
+            and last time, which are None where no wall is met.
 
         Raises:
             NotConvergedError: a coefficient is singular before a time is reached, or too many steps would be needed.
         """
         span = [float(to_bits(t - t0)(64)) for t in times]
         for extra in (10, 20, 40, 80, 160, 320):
-            found, bounds = self._followed(starts, t0, times, span, digits + extra)
+            found, bounds, ends = self._followed(starts, t0, times, span, digits + extra, walls)
             sizes = [max([abs(x) for z in states for x in z] + [1]) for states in found]
             if all(e <= size * e.context.mpf(10) ** -(digits + 1) for e, size in zip(bounds, sizes, strict=True)):
-                return found, bounds
+                return found, bounds, ends
         raise NotConvergedError("explicit time: the error grows too fast for the digits wanted; ask for earlier times")
 
     def _followed(
-        self, starts: list[list[sp.Expr]], t0: sp.Expr, times: list[sp.Expr], span: list[float], digits: int
-    ) -> tuple[list[list[list[Mpf]]], list[Mpf]]:
+        self,
+        starts: list[list[sp.Expr]],
+        t0: sp.Expr,
+        times: list[sp.Expr],
+        span: list[float],
+        digits: int,
+        walls: Sequence[Wall],
+    ) -> tuple[list[list[list[Mpf]]], list[Mpf], Ends]:
         found: list[Any] = [None] * len(times)
         bounds: list[Any] = [None] * len(times)
+        ends = []
         for sign in (1, -1):
             chosen = [k for k, x in enumerate(span) if x * sign >= 0 and found[k] is None]
-            walk = _Walk(self, starts, t0, digits)
+            walk = _Walk(self, starts, t0, digits, walls)
             for k in sorted(chosen, key=lambda k: abs(span[k])):
                 walk.to(times[k])
                 found[k], bounds[k] = walk.states(), walk.error
-        return found, bounds
+            ends.append(walk.end)
+        return found, bounds, (ends[1], ends[0])
 
     def size_around(self, t: float, radius: float) -> tuple[float, float]:
         """Return a bound on |A| over a disk about a time, and its radius: smaller where a formula is singular in it.
@@ -161,8 +180,11 @@ def with_action(flow: QuadraticFlow, rest: sp.Expr) -> QuadraticFlow:
 class _Walk:
     """The states at one time, carried from step to step with a bound on their error."""
 
-    def __init__(self, flow: QuadraticFlow, starts: list[list[sp.Expr]], t0: sp.Expr, digits: int):
-        self._flow, self._digits = flow, digits
+    def __init__(
+        self, flow: QuadraticFlow, starts: list[list[sp.Expr]], t0: sp.Expr, digits: int, walls: Sequence[Wall] = ()
+    ):
+        self._flow, self._digits, self._walls = flow, digits, walls
+        self.end: Estimate | None = None
         self._bits = int(3.33 * digits) + 40
         self._context = multiprecision(self._bits)
         self._tape = lower([*flow.matrix, *flow.force], [flow.time])
@@ -180,9 +202,9 @@ class _Walk:
         return [list(z) for z in self._z]
 
     def to(self, time: sp.Expr) -> None:
-        """Go on to a time."""
+        """Go on to a time, or to the end of a domain."""
         end = self._context.convert(to_bits(time)(self._bits))
-        while self._t != end:
+        while self._t != end and self.end is None:
             left = end - self._t
             size, ρ = self._flow.size_around(float(self._t), max(min(2.0, float(abs(left)) * _RATIO), 2.0**-20))
             h = left if abs(left) * _RATIO <= ρ else self._context.sign(left) * self._context.mpf(ρ) / _RATIO
@@ -202,6 +224,7 @@ class _Walk:
         coefficients = self._coefficients(order)
         m = self._flow.matrix.rows
         powers = [h**j for j in range(order + 1)]
+        first: list[list[Mpf]] = []
         for k, z in enumerate(self._z):
             series = [[x] for x in z]
             for j in range(order):
@@ -218,10 +241,38 @@ class _Walk:
                 for c, x in enumerate(row):
                     series[c].append(x)
             self._z[k] = [context.fdot(zip(series[r], powers, strict=True)) for r in range(m)]
+            first = first if k else series
         rounding = top * context.ldexp(1, 12 - self._bits)
         ν = self._flow.growth(float(self._t), float(abs(h)), self._scale)
         larger = max(float(self._scale), 1 / float(self._scale)) * m
         self.error = self.error * context.exp(context.mpf(ν) * abs(h)) + larger * (left + rounding)
+        if self._walls:
+            slope = size * self.error + 2 * (order + 2) * left / abs(h)
+            # the error is a motion, too: Cauchy's estimate of its second derivative within ¼ρ
+            bend = 4 * self.error * context.exp(context.mpf(size) * ρ) / ρ**2 + 2 * ((order + 2) / abs(h)) ** 2 * left
+            self._look_for_ends(first, h, slope, bend)
+
+    def _look_for_ends(self, series: list[list[Mpf]], h: Mpf, slope: Mpf, bend: Mpf) -> None:
+        """Look whether a step of Taylor series passes a wall.
+
+        Args:
+            series: coefficients of the coordinates in the time from the beginning of the step.
+            h: the step.
+            slope, bend: bounds on the errors of first and second derivatives.
+        """
+        context, sign = self._context, self._context.sign(h)
+        signed = [[sign**j * c for j, c in enumerate(series[wall.row])] for wall in self._walls]
+        rates = [[j * c for j, c in enumerate(row)][1:] for row in signed]
+        bends = [[j * (j - 1) * abs(c) for j, c in enumerate(row)][2:] for row in signed]
+        walls = [wall._replace(row=i) for i, wall in enumerate(self._walls)]
+
+        def at(s: Mpf) -> Approach:
+            values, slopes = ([context.polyval(row[::-1], s) for row in rows] for rows in (signed, rates))
+            return Approach(values, slopes, self.error, slope)
+
+        end = first_end(walls, context.mpf(0), abs(h), at, lambda i, _, b: context.polyval(bends[i][::-1], b) + bend)
+        if end is not None:
+            self.end = Estimate(self._t + sign * end.value, end.error + abs(self._t) * context.ldexp(1, 4 - self._bits))
 
     def _coefficients(self, order: int) -> list[list[Mpf]]:
         """Taylor coefficients of the entries of A and b at the time."""

@@ -160,23 +160,6 @@ def read_places(system: System, q: Values, parameters: Values | None) -> dict[sp
     return values
 
 
-def refuse_ends_of_domains(system: System) -> None:
-    """Refuse coordinates that do not run along a whole line, for motions of which nobody looks when they leave.
-
-    Args:
-        system: whose motion is meant.
-
-    Raises:
-        InvalidInputError: a domain with an end.
-    """
-    for c in system.coordinates:
-        if c.domain.lower is not None or c.domain.upper is not None:
-            raise InvalidInputError(
-                f"{c.name} has the domain {c.domain.written(c.name)}, which this motion may leave: linear motions are "
-                f'followed along whole lines only; write "{c.name}": "line"'
-            )
-
-
 def read_phase_point(
     system: System, q: Values, velocity: Values | None, p: Values | None, parameters: Values | None
 ) -> dict[sp.Symbol, sp.Expr]:

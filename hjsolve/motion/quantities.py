@@ -28,9 +28,9 @@ from hjsolve.time_law.torus import TorusEquations, mean_rate
 Equations = TorusEquations | TriangularScheme
 """Jacobi's equations made ready for inversion."""
 FLOAT_DIGITS = 15
+"""Up to here results are doubles, above they are ``mpf``."""
 _NORMAL, _LEAST = 2.0**-1022, 2.0**-1074
 """Doubles below the first have fewer digits; the second is the smallest."""
-"""Up to here results are doubles, above they are ``mpf``."""
 
 
 def rounded(value: float | Mpf, digits: int, nodes: int = 0) -> Estimate:
@@ -72,8 +72,10 @@ def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Esti
         Lower, upper.
     """
     bits = bits_for(digits, 32)
+    # an asymptote bounds a region, while a motion only tends to it; a wall turns a motion where p² is not zero
     kinds = {"turning", "asymptote"} if isinstance(place, AllowedRegion) else {"turning", "wall"}
     places = [end.place(bits) if end.kind in kinds and end.place else None for end in (place.lower, place.upper)]
+    # one end is known by its distance from the other: what the larger one is rounded to is lost in both
     rounding = max((abs(x) for x in places if x is not None), default=0) * multiprecision(64).mpf(2) ** -bits
     lower_end, upper_end = (None if x is None else _less_exact(rounded(x, digits), rounding) for x in places)
     return lower_end, upper_end
@@ -104,7 +106,7 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
         coordinate_motion = located[coordinate.name].coordinate_motion
         value = coordinate_motion.signed_action
         if value is not None:
-            if coordinate_motion.rotates:
+            if coordinate_motion.rotates:  # of a libration ∮ A dq is zero: there and back
                 radian = coordinate_motion.cycle.radian if coordinate_motion.cycle is not None else 1
                 value -= _mean_shift(solution, initial, coordinate, radian, digits)
             result[coordinate.name] = rounded(value, digits, coordinate_motion.nodes)
@@ -118,7 +120,7 @@ def _mean_shift(
     A = solution.shift[coordinate.name]
     if A == 0:
         return 0
-    bits, nodes = bits_for(digits, 64), 8 * digits
+    bits, nodes = bits_for(digits, 64), 8 * digits  # equal steps: A repeats itself over a turn
     tape = lower([A.subs({s: v for s, v in initial.values.items() if s != coordinate.symbol})], [coordinate.symbol])
     context = multiprecision(bits)
     places = (2 * context.pi * radian * k / nodes for k in range(nodes))
@@ -142,6 +144,7 @@ def frequencies(solution: Solution, initial: Initial, equations: Equations | Non
                 result[name] = rounded(coordinate_motion.direction * torus.rates[k], digits, coordinate_motion.nodes)
         result |= _ignorable_rates(solution, torus, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
+    # coordinates of a triangular scheme that turn by themselves, whatever the others do
     for own in own_turns(required(equations.scheme), bits_for(digits, 128)):
         result[names[own.index]] = rounded(own.cycle.direction * own.rate, digits, own.cycle.nodes)
     return {name: f for name, f in result.items() if f.value}
@@ -179,6 +182,7 @@ def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
     """
     value = mean_rate(equations, j)
     sizes = [abs(rate) * c.libration(j) for rate, c in zip(equations.rates, equations.coordinate_motions, strict=True)]
+    # integrals have more than twice the digits asked: what is below those of the terms is their rounding
     noise = sum(sizes) * multiprecision(64).mpf(10) ** (-2 * digits)
     nodes = max(c.nodes for c in equations.coordinate_motions)
     plain = rounded(value if abs(value) > noise else 0, digits, nodes)

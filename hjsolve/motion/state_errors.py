@@ -65,15 +65,16 @@ def errors_of_state(
     ):
         slope_q, slope_p = _slopes(coordinate_motion, x, e)
         size_q, size_p = _unreduced(coordinate_motion, q[name], whole.get(name)), np.abs(p[name].astype(float))
+        # q = a + (b − a) s: next to q = 0 between the turning points the terms cancel, and their rounding is left
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
             size_q = size_q + _width(motion, name)
         dq[name] = slope_q * e + 4 * unit * size_q + _LEAST
         moved, shift = _shifted(motion, name, q)
-        size_p = size_p + shift
+        size_p = size_p + shift  # p = P − A(q): where they cancel, the rounding of both is left
         dp[name] = slope_p * e + moved * dq[name] + (16 + coordinate_motion.momentum_noise(x)) * unit * size_p + _LEAST
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
-        if name not in dq:
+        if name not in dq:  # ignorable: its momentum is constant, and given
             dq[name] = ignorable_error(motion, phases, phase_error, name, unit) + 4 * unit * (
                 np.abs(q[name].astype(float)) + np.pi
             )
@@ -121,6 +122,7 @@ def _by_uncertainties(
     """Return what doubts of separated coordinates and momenta leave open of the velocities, and the last rounding."""
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     formulas = velocities(motion.solution.system)
+    # next to a pole the slopes, too, hold differences that doubles have lost
     gradients = tuple(sp.diff(f, s) for f in formulas.values() for s in uncertainties)
     found = worked_out(motion, (*gradients, *formulas.values()), exact, shell, rest)
     lost = lost_in_two_doubles(motion, tuple(formulas.values()), exact, shell, rest)
@@ -161,6 +163,7 @@ def table_errors(
         delay = delay + table.table.uncertainty(θ)
     separated = motion.solution.coordinates[0]
     H = hamiltonian(system)
+    # a delay moves q by q̇ and p by −∂H/∂q times itself
     forces = evaluate_along(motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
     dq, dp = {}, {}
     for c, force in zip(system.coordinates, forces, strict=True):
@@ -169,6 +172,7 @@ def table_errors(
         runs_on = c.name != separated or (
             c.domain.kind == "line" and motion.located[separated].coordinate_motion.rotates
         )
+        # the growth is added to what the table holds: the sum is rounded to the size of the angle
         inner = inner if not runs_on else np.maximum(inner, _ANGLE * (np.pi + np.abs(q[c.name])))
         dq[c.name] = np.abs(v[c.name]) * delay + inner
         own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * EPS * np.abs(p[c.name])
@@ -196,6 +200,7 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Numbers]) -> tu
         return 0.0, 0.0
     symbol = motion.solution.system.coordinate(name).symbol
     slope, value = evaluate_along(motion, (sp.diff(A, symbol), A), q, {})
+    # ``rounding`` counts 4 EPS of each size; what is asked for here are sizes
     own = rounding(motion, (A,), q, {})[0] / (4 * EPS)
     return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 

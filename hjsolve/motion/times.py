@@ -67,7 +67,7 @@ def read_times(t: object) -> tuple[tuple[int, ...] | None, Reals | None, list[In
     return shape, None, [to_bits(x) for x in exact_numbers(array, "t")[1]]
 
 
-LONGEST = 1e290
+LONGEST = 1e290  # Dekker's products hold below about 10²⁹²
 MOST_TURNS = 2.0**60
 """Of an angle, and cycles of a coordinate: beyond, two doubles do not tell a phase."""
 

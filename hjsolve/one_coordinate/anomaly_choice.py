@@ -30,7 +30,7 @@ from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched, stretched
 if TYPE_CHECKING:
     from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 
-_GRID_PLACES = 257
+_GRID_PLACES = 257  # between the turning points, where extrema of p² are looked for
 _NEWTON_STEPS = 40
 """A simple zero of F′ takes log₂(bits) of them from nearby; a multiple one gains a bit a step."""
 

@@ -21,7 +21,7 @@ from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, chebyshev_po
 from hjsolve.one_coordinate.panel_length import Surroundings, longest, nodes_for
 from hjsolve.one_coordinate.time_along_a_path import stopwatch
 
-_MAX_PANELS = 1600
+_MAX_PANELS = 1600  # each may be four times as long as the last
 _GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0
 """The longest panel tried: a multiple of the last one, at most this towards an asymptote; the first one."""
 _COSTLIEST = 4

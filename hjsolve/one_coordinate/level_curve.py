@@ -30,7 +30,7 @@ from hjsolve.arithmetic.root_finding import bisected, newton
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import NotConvergedError, required
 
-_RHO, _WIDER = 2 + 3**0.5, 2.1
+_RHO, _WIDER = 2 + 3**0.5, 2.1  # semiaxes 2 and √3: in a disk of twice the radius, with room for rounding
 _MOST_PIECES, _FIRST_HALVINGS, _LATER_HALVINGS = 400, 600, 60
 """Pieces of a curve; halvings of a piece before the scale of the curve is known, and after."""
 _LAST_BITS, _LOST_BITS = 8, 60

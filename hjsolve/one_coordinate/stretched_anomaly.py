@@ -31,14 +31,14 @@ from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, 
 from hjsolve.one_coordinate.fourier_series import FourierSeries, midpoints
 from hjsolve.one_coordinate.phase_map import Place
 
-_SAMPLES, _MOST_SAMPLES = 4096, 32768
+_SAMPLES, _MOST_SAMPLES = 4096, 32768  # doubled in between
 _LEGENDRE_TERMS = 12
 """Newton's method within a piece begins near and stops by itself; twelve terms give a rate to 1e-9, as ψ grows by 1."""
 _BASE = 3.0
 """What keeps zeros that are as far from the real axis as they may be, 1 or so, as far in ψ as the rough places."""
 _LAST = 1e-4
 """Coefficients of dχ/dψ below that part of its least value are left out: they would not make the map a better one."""
-_NARROWEST = 1e-12
+_NARROWEST = 1e-12  # width of a step of the phase that doubles resolve
 _AT_ONCE, _BLOCK = 256, 64
 """Places and powers in one product of matrices: few enough to stay in the cache, and for BLAS to use one thread."""
 

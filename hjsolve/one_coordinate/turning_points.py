@@ -26,16 +26,16 @@ from hjsolve.one_coordinate.ray import Ray, SimpleZero
 from hjsolve.one_coordinate.time_along_a_path import stopwatch
 
 EndKind = Literal["turning", "wall", "asymptote", "boundary", "fall", "infinity", "round", "kink"]
-_LAST_BITS = 2048
-_DEPTH = 40
+_LAST_BITS = 2048  # 616 digits: zeros that are nearer to each other count as a double one
+_DEPTH = 40  # halvings of a cell before it is given up
 _MOST_WORK, _COST_OF_MANY_DIGITS = 2000, 10
 """Divisions of cells before a search is given up; what one costs in many digits, in doubles 1."""
-_EXACT = 6
+_EXACT = 6  # halvings after which many digits decide: doubles have not
 _STUBBORN = 3
 """Divisions of a cell after which what lies beyond it is looked at as a whole."""
 _FARTHEST = 2032
 """How far p² is sampled beyond all cells, as a power of two: over all places that are doubles."""
-_TOGETHER = 48
+_TOGETHER = 48  # cells in one call of numpy, which costs as much as one
 
 
 @dataclass(frozen=True)

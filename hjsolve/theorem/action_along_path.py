@@ -96,7 +96,7 @@ def action_integral(
     values = {s: v for s, v in parameter_values(system, given).items() if s != time}
     wanted = arguments.digits(digits)
     flow = QuadraticFlow(sp.zeros(2, 2).as_immutable(), sp.ImmutableMatrix([L.xreplace(values), 0]), time)
-    ((found,),), (error,) = flow.integrate([[sp.S.Zero, sp.S.Zero]], start, [stop], max(wanted, 15))
+    ((found,),), (error,), _ = flow.integrate([[sp.S.Zero, sp.S.Zero]], start, [stop], max(wanted, 15))
     value = float(found[0]) if wanted <= 15 else found[0]
     rounding = abs(found[0]) * (2.0**-53 if wanted <= 15 else found[0].context.mpf(10) ** -wanted)
     bound = float(error + rounding) * (1 + 2.0**-50)

@@ -18,9 +18,9 @@ from hjsolve.arithmetic.number_types import Integers, Reals
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_SPLITTER = 134217729.0
+_SPLITTER = 134217729.0  # 2²⁷ + 1, Dekker: each half of a double has at most 26 bits
 _TURN = 2 * np.pi
-_BLOCK = 512
+_BLOCK = 512  # places of a block, 8 kB with their panels: they stay in the first cache
 
 
 def _kernel(function: F) -> F:

@@ -26,7 +26,7 @@ from hjsolve.time_law.one_phase import solve_alone
 
 _BRACKET_STEPS, _NEWTON_STEPS = 120, 3
 """Steps of one search, of which every fourth halves where Newton's steps do not; steps of both equations at the end."""
-_NEAR, _ROUNDING_ERROR = 1e-11, 1e-13
+_NEAR, _ROUNDING_ERROR = 1e-11, 1e-13  # where both equations take over; of a Fourier series, in its greatest value
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,9 @@ from hjsolve.time_law.phase_reduction import CHUNK
 DEGREE = 11
 """Degree of every polynomial; ``compiled_loops`` writes Horner's rule out for it."""
 
-_GROWTH_NODES = 20
-_TOLERANCE = 1e-15
-_CELLS = 4
+_GROWTH_NODES = 20  # of dθ/dχ on a panel; the last two coefficients tell whether they resolve it
+_TOLERANCE = 1e-15  # of the last two coefficients: a table is to be as good as doubles
+_CELLS = 4  # of the guide, a panel: the panel of a place is then at most a few further on
 _MOST_PANELS = 4000
 """Above which there is no table: 48 000 coefficients a quantity."""
 

@@ -83,12 +83,6 @@ def test_a_frame_is_found_and_the_motion_is_the_one_as_posed(name: str) -> None:
             assert gap <= mpf(errors[n]) <= 1e-11
 
 
-def test_a_domain_that_the_motion_may_leave_is_refused() -> None:
-    mathieu = hjsolve.System({"x": "0 < x"}, "dot(x)**2/2", "(2 + cos(t))*x**2/2")
-    with pytest.raises(hjsolve.InvalidInputError, match=r'0 < x, which this motion may leave.*"x": "line"'):
-        hjsolve.solve(mathieu).motion(q={"x": 1}, velocity={"x": 0})
-
-
 @pytest.mark.nightly_cases(*list(QUADRATIC)[1:])
 @pytest.mark.parametrize("name", QUADRATIC)
 def test_a_quadratic_principal_function_gives_the_motion_with_a_proved_error(name: str) -> None:
@@ -280,7 +274,7 @@ def test_the_bound_of_the_taylor_series_holds_where_few_digits_are_carried() -> 
     approximate = _Walk(flow, [start], sp.S.Zero, 1)
     for moment in (sp.Rational(3, 2), sp.Integer(5)):
         approximate.to(moment)
-        ((exact,),), _ = flow.integrate([start], sp.S.Zero, [moment], 30)
+        ((exact,),), _, _ = flow.integrate([start], sp.S.Zero, [moment], 30)
         with mp.workdps(40):
             error = max(abs(mpf(a) - mpf(e)) for a, e in zip(approximate.states()[0], exact, strict=True))
             assert 0 < error <= mpf(approximate.error)

@@ -183,9 +183,3 @@ def test_two_oscillators_that_are_not_coupled_are_their_own_modes() -> None:
     with mp.workdps(40):
         for ω, expected in zip(gyroscopic_modes(pair).frequencies, (mpf(1), mp.sqrt(3)), strict=True):
             assert abs(ω - expected) < mpf(10) ** -30
-
-
-def test_a_domain_that_the_motion_may_leave_is_refused() -> None:
-    half = System({"x": "0 < x", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2 + x*dot(y)", "x**2/2 + y**2")
-    with pytest.raises(InvalidInputError, match=r'0 < x, which this motion may leave.*"x": "line"'):
-        gyroscopic_modes(half).motion(q={"x": 1, "y": 0}, velocity={"x": -1, "y": 1})  # x(t) < 0 soon, with status ok

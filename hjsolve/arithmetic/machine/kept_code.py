@@ -59,6 +59,8 @@ def fingerprint() -> str:
     for room in _ROOMS:
         for path in sorted(room.rglob("*.py")):
             own.update(f"{path.relative_to(room)}\n".encode() + path.read_bytes())
+    for name in ("double_double.py", "error_free.py"):  # which ``pairs`` compiles
+        own.update((_ROOM.parent / name).read_bytes())
     return own.hexdigest()[:24]
 
 

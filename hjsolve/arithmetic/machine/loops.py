@@ -1,14 +1,15 @@
 """The loops over lanes that the machine consists of.
 
 ``execute`` runs instructions and does the four operations, their fusions and what is as cheap itself. Every other
-operation is a function of numbers in ``elementary`` or ``pairs``, put into a loop here and compiled apart. Registers
-lie row after row of ``width`` lanes; no register is both read and filled by one instruction.
+operation is a function of numbers in ``elementary`` or ``pairs``, put into a loop here and compiled apart; those
+of pairs need no single number (``slots``). Registers lie row after row of ``width`` lanes; no register is both read and
+filled by one instruction.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -82,19 +83,19 @@ def execute(  # noqa: C901  a table of operations
 
 
 # ---------------------------------------------------------------------- loops by numbers of operands and of results
-def _one_to_one(function: Callable[..., float]) -> Loop:
+def _one_to_one(function: Callable[..., float], lanes: Any) -> Loop:
     def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, a = np.int64(line[1]) * width, np.int64(line[5]) * width
-        for j in range(n):
+        for j in lanes(n):
             store0(r, d, j, function(load(r, a, j)))
 
     return loop
 
 
-def _one_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
+def _one_to_two(function: Callable[..., tuple[float, float]], lanes: Any) -> Loop:
     def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e, a = np.int64(line[1]) * width, np.int64(line[2]) * width, np.int64(line[5]) * width
-        for j in range(n):
+        for j in lanes(n):
             u, v = function(load(r, a, j))
             store0(r, d, j, u)
             store1(r, e, j, v)
@@ -102,20 +103,20 @@ def _one_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
     return loop
 
 
-def _two_to_one(function: Callable[..., float]) -> Loop:
+def _two_to_one(function: Callable[..., float], lanes: Any) -> Loop:
     def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, a, b = np.int64(line[1]) * width, np.int64(line[5]) * width, np.int64(line[6]) * width
-        for j in range(n):
+        for j in lanes(n):
             store0(r, d, j, function(load(r, a, j), load(r, b, j)))
 
     return loop
 
 
-def _two_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
+def _two_to_two(function: Callable[..., tuple[float, float]], lanes: Any) -> Loop:
     def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
-        for j in range(n):
+        for j in lanes(n):
             u, v = function(load(r, a, j), load(r, b, j))
             store0(r, d, j, u)
             store1(r, e, j, v)
@@ -123,11 +124,11 @@ def _two_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
     return loop
 
 
-def _two_to_three(function: Callable[..., tuple[float, float, float]]) -> Loop:
+def _two_to_three(function: Callable[..., tuple[float, float, float]], lanes: Any) -> Loop:
     def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e, f = np.int64(line[1]) * width, np.int64(line[2]) * width, np.int64(line[3]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
-        for j in range(n):
+        for j in lanes(n):
             u, v, w = function(load(r, a, j), load(r, b, j))
             store0(r, d, j, u)
             store1(r, e, j, v)
@@ -136,12 +137,12 @@ def _two_to_three(function: Callable[..., tuple[float, float, float]]) -> Loop:
     return loop
 
 
-def _two_to_four(function: Callable[..., tuple[float, float, float, float]]) -> Loop:
+def _two_to_four(function: Callable[..., tuple[float, float, float, float]], lanes: Any) -> Loop:
     def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         f, g = np.int64(line[3]) * width, np.int64(line[4]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
-        for j in range(n):
+        for j in lanes(n):
             u, v, w, z = function(load(r, a, j), load(r, b, j))
             store0(r, d, j, u)
             store1(r, e, j, v)
@@ -151,12 +152,12 @@ def _two_to_four(function: Callable[..., tuple[float, float, float, float]]) -> 
     return loop
 
 
-def _four_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
+def _four_to_two(function: Callable[..., tuple[float, float]], lanes: Any) -> Loop:
     def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         c, k = np.int64(line[7]) * width, np.int64(line[8]) * width
-        for j in range(n):
+        for j in lanes(n):
             u, v = function(load(r, a, j), load(r, b, j), load(r, c, j), load(r, k, j))
             store0(r, d, j, u)
             store1(r, e, j, v)
@@ -164,14 +165,14 @@ def _four_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
     return loop
 
 
-def _six_to_four(function: Callable[..., tuple[float, float, float, float]]) -> Loop:
+def _six_to_four(function: Callable[..., tuple[float, float, float, float]], lanes: Any) -> Loop:
     def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         f, g = np.int64(line[3]) * width, np.int64(line[4]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         c, k = np.int64(line[7]) * width, np.int64(line[8]) * width
         s, t = np.int64(line[9]) * width, np.int64(line[10]) * width
-        for j in range(n):
+        for j in lanes(n):
             at, step = ((load(r, a, j), load(r, b, j), load(r, c, j), load(r, k, j)), (load(r, s, j), load(r, t, j)))
             u, v, w, z = function(at[0], at[1], at[2], at[3], step[0], step[1])
             store0(r, d, j, u)
@@ -197,8 +198,9 @@ def loop_of(name: str) -> Loop:
     Returns:
         A function of an instruction, the registers, their width, and how many lanes to run.
     """
-    found = vars(pairs) if name.startswith("pair_") else vars(elementary)
+    of_pairs = name.startswith("pair_")
+    found = pairs.FUNCTIONS if of_pairs else vars(elementary)
     function = found[name] if name in found else found[f"{name}_"]
-    loop = _SHAPES[OPERATIONS[name][1:]](function)
+    loop = _SHAPES[OPERATIONS[name][1:]](function, slots if of_pairs else range)
     loop.__name__ = loop.__qualname__ = f"lanes_of_{name}"  # numba names machine code by it: no two may share a name
     return loop

@@ -1,4 +1,4 @@
-"""An arithmetic that writes instructions for numbers in two doubles: the twin of ``double_double`` for the machine."""
+"""An arithmetic that writes instructions for numbers in two doubles."""
 
 from __future__ import annotations
 
@@ -6,19 +6,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.double_double import PLACES, DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, exact
 from hjsolve.arithmetic.function_rules import ByOthers
 from hjsolve.arithmetic.machine.allocation import Value
 from hjsolve.arithmetic.machine.writer import InstructionWriter
 from hjsolve.arithmetic.tape import UNARY
-
-_PAIRED = {
-    "sin": ("pair_sincos", 0),
-    "cos": ("pair_sincos", 2),
-    "sinh": ("pair_sinhcosh", 0),
-    "cosh": ("pair_sinhcosh", 2),
-}
 
 
 class PairOfValues(NamedTuple):
@@ -133,8 +126,8 @@ class PairWriter(ByOthers):
             raise ValueError(name)
         if name == "neg":
             return self._negative(x)
-        if name in _PAIRED:
-            function, place = _PAIRED[name]
+        if name in PLACES:
+            function, place = f"pair_{PLACES[name][0]}", PLACES[name][1]
             base, offset = self._near.get(x, (x, self.rational(0, 1)))
             found = self._called(function, base, results=4)
             if not self._is(offset, 0.0):

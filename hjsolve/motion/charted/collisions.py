@@ -23,7 +23,7 @@ from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 
 Ends = tuple[Estimate | None, Estimate | None]
-_BITS, _CLOSE = 600, 200
+_BITS, _CLOSE = 600, 200  # a place 2⁻²⁰⁰ from a focus tells whether V h² vanishes there
 _FOCI = {
     "elliptic": ((0, 0), (0, 1)), "elliptic cylinder": ((0, 0), (0, 1)), "prolate spheroidal": ((0, 0), (0, 1)),
     "parabolic": ((0, 0),), "parabolic cylinder": ((0, 0),), "rotational parabolic": ((0, 0),),

@@ -28,7 +28,7 @@ from hjsolve.coordinates.charts.outer_map import (
 Row = TypeVar("Row", Numbers, Reals)
 _LOST = 8
 """Where the error across the axis is more than its 8th part of the distance from it, nothing is known of the angle."""
-_ROUNDINGS = 8
+_ROUNDINGS = 8  # of squares, sums, a root and a quotient behind each coordinate
 _TURNED = (AZIMUTH, FROM_AXIS, COLATITUDE, LATITUDE)
 """Coordinates whose rates are not known on the axis."""
 _hypot = np.frompyfunc(lambda a, b: a.context.hypot(a, b), 2, 1)

@@ -35,7 +35,7 @@ _STEP = 2.0**-60
 """Of a phase, relative to it, by which the slopes of functions are measured that only serve error bounds."""
 _LEAST = 80
 """At a turning point what is even in y is taken at 2^−80: its limit to 2^−160."""
-_HALVINGS_OF_A_PANEL = 24
+_HALVINGS_OF_A_PANEL = 24  # a panel of 2⁻²⁴ of the first that does not converge stands at a singularity
 
 
 @dataclass(frozen=True, eq=False)

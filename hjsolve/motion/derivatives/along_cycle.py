@@ -37,7 +37,7 @@ from hjsolve.one_coordinate.coordinate_motion import Periodic
 from hjsolve.one_coordinate.fourier_series import FourierSeries, fit
 from hjsolve.one_coordinate.phase_map import Place
 
-_GUARD = 24
+_GUARD = 24  # bits beyond those that terms and products lose
 
 
 class Waves:
@@ -72,6 +72,7 @@ class Waves:
             return Bounded(values, lacks + 0 * spread), Bounded(mean * full[None, :], lacks * spread)
         cosine, sine = self._waves(χ)
         (C, S), (Ck, Sk) = self._fixed
+        # ∫ cos kχ = sin kχ/k and ∫ sin kχ = (1 − cos kχ)/k from 0: no second pass over the phases
         one = 1 << self._work
         librations = self._scaled(C @ cosine + S @ sine, count)
         heights = self._scaled(Ck @ sine + Sk @ (one - cosine), count)
@@ -105,6 +106,7 @@ class Waves:
         """Coefficients of cosines and sines as whole numbers; the same over k."""
         shape, c = (len(self.series), self._terms), self.context
         tables = tuple(np.zeros(shape, dtype=object) for _ in range(4))
+        # each series is scaled by its own largest term, so that small ones keep their digits as whole numbers
         for row, (s, shift) in enumerate(zip(self.series, self._shifts, strict=True)):
             for table, part in ((0, s.cosines), (1, s.sines)):
                 for k, x in enumerate(part if part is not None else ()):
@@ -119,6 +121,7 @@ class Waves:
         for m, phase in enumerate(χ):
             x, y = (int(fine.nint(fine.ldexp(part, work))) for part in fine.cos_sin(fine.convert(phase)))
             a, b = x, y
+            # products of whole numbers, much cheaper than a cosine of many digits for each k
             for k in range(self._terms):
                 cosine[k, m], sine[k, m] = a, b
                 a, b = (a * x - b * y) >> work, (a * y + b * x) >> work
@@ -185,6 +188,7 @@ class CycleVariations:
         context = self.context
         χ = converted(χ, context)
         m = len(χ)
+        # slopes by the phase serve error bounds alone: difference quotients are enough
         both = self._functions(np.concatenate([χ, χ + context.mpf(_STEP)]), np.concatenate([whole, whole]))
         here, beside = (Slopes(*(part[..., k : k + m] for part in both)) for k in (0, m))
         return here.with_phase_errors(beside, errors.astype(float), _STEP)
@@ -226,6 +230,7 @@ class CycleVariations:
             return Bounded.exact(q * self.scale[b])
         a, c = self.coordinate_motion.turning_points
         low, high = self.ends[0][b], self.ends[1][b]
+        # s = (q − a)/(c − a) is kept: between the ends the place moves by their mean, weighted with it
         return Bounded.exact(converted((low * (c - q) + high * (q - a)) / (c - a), self.context))
 
 
@@ -248,6 +253,7 @@ def cycle_variations(
     ends = None
     if not coordinate_motion.rotates:
         ends = tuple(_end_by(rule.at(context.convert(end))) for end in coordinate_motion.turning_points)
+    # ω_b and ρ_b are as analytic as p itself: its number of nodes is where to begin
     nodes = max(coordinate_motion.momentum.nodes, coordinate_motion.nodes, 8)
     for _ in range(_ATTEMPTS):
         rows, sizes = zip(

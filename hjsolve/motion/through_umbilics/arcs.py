@@ -20,8 +20,8 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError, required
 from hjsolve.motion.through_umbilics.paths import Path
 
-_MOST_ARCS = 100_000
-_NEWTON_STEPS = 200
+_MOST_ARCS = 100_000  # of one motion, kept one by one
+_NEWTON_STEPS = 200  # each at most three in z
 _LONGEST = 3
 """Of a step of z."""
 

@@ -20,7 +20,7 @@ import sympy as sp
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation import Zero, is_zero
 
-_DIGITS, _TOLERANCE = 40, 20
+_DIGITS, _TOLERANCE = 40, 20  # decimal; second derivatives lose fewer than the difference
 _SAMPLES = ("0.11", "0.17")
 _SECONDS = 3.0
 _INFINITE = (sp.zoo, sp.nan, sp.oo, -sp.oo)

@@ -22,10 +22,10 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
-_FEWEST_TERMS, _MOST_TERMS = 32, 4096
-_GUARD = 40
+_FEWEST_TERMS, _MOST_TERMS = 32, 4096  # doubled in between; what more do not resolve has a singularity at the path
+_GUARD = 40  # bits that hold the sums of all terms
 Row = tuple[Mpf, ...]
-_PROBES = (-0.83, 0.11, 0.67)
+_PROBES = (-0.83, 0.11, 0.67)  # places that are nodes of no Chebyshev series here
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ from hjsolve.solution.quadratures import Solution
 
 _MULTIPLES = 12
 """Parts of π, of which a double zero is a multiple, or else a fraction with a denominator below the next number."""
-_DENOMINATORS = 2**40
+_DENOMINATORS = 2**40  # of fractions that count as meant
 _ROUNDING = 1e-12
 """Of the square of a velocity."""
 _NEAR = 1e-3

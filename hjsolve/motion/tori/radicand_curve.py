@@ -24,7 +24,7 @@ from hjsolve.motion.initial_data import domain_ends, to_bits
 from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.solution.quadratures import Solution
 
-_NODES = 64
+_NODES = 64  # of the midpoint rule for an action that is a first guess
 _REACH = np.concatenate([1e-13 * 1.3 ** np.arange(115), 2.0 ** np.arange(0, 100)])
 """Distances, relative to the natural length, at which p² is looked at on both sides of a maximum."""
 _SMALL = 1e-10

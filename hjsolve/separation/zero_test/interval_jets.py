@@ -88,32 +88,13 @@ class JetWalk:
             for a in x.args[1:]:
                 total = combine(total, self(a))
             return total
-        if x.is_Pow and x.exp.is_Rational:
-            return self._power(x)
-        if x.is_Pow and x.base is not sp.E:
+        if x.is_Pow and x.base is not sp.E and not x.exp.is_Rational:
             return self._jet(sp.exp(x.exp * sp.log(x.base), evaluate=False))
-        argument = x.exp if x.is_Pow else x.args[0]
-        function = sp.exp if x.is_Pow else x.func
-        if function not in _KNOWN:
-            raise NoEnclosureError(f"no jet of {x.func}")
-        return self._composed(x, self(argument), argument, _derivatives(function))
-
-    def _power(self, x: sp.Expr) -> Jet:
-        u, n = self(x.base), x.exp
-        first = libmp.mpi_mul(self._number(n), self.plain(sp.Pow(x.base, n - 1)), self.precision)
-        second = None
-        if n != 1:
-            second = libmp.mpi_mul(self._number(n * (n - 1)), self.plain(sp.Pow(x.base, n - 2)), self.precision)
-        return self._chain(self.plain(x), first, second, u)
-
-    def _composed(self, x: sp.Expr, u: Jet, argument: sp.Expr, derivatives: _Derivatives) -> Jet:
-        first, second = (self.plain(d.xreplace({_U: argument})) for d in derivatives)
-        return self._chain(self.plain(x), first, second, u)
-
-    def _chain(self, value: Interval, first: Interval, second: Slope, u: Jet) -> Jet:
-        """h(u) by the chain rule: ∂ᵢ∂ⱼh = h″ uᵢuⱼ + h′ uᵢⱼ."""
+        # h(u) by the chain rule: ∂ᵢ∂ⱼh = h″ uᵢuⱼ + h′ uᵢⱼ
+        h, argument = _outermost(x)
+        u, (first, second) = self(argument), (self.plain(d.xreplace({_U: argument})) for d in _derivatives(h))
         mixed = self.plus(self.times(second, self.times(u[1], u[2])), self.times(first, u[3]))
-        return value, self.times(first, u[1]), self.times(first, u[2]), mixed
+        return self.plain(x), self.times(first, u[1]), self.times(first, u[2]), mixed
 
     def _sum(self, a: Jet, b: Jet) -> Jet:
         plus = self.plus
@@ -124,9 +105,6 @@ class JetWalk:
         mixed = plus(plus(times(a[3], b[0]), times(a[0], b[3])), plus(times(a[1], b[2]), times(a[2], b[1])))
         first, second = (plus(times(a[k], b[0]), times(a[0], b[k])) for k in (1, 2))
         return libmp.mpi_mul(a[0], b[0], self.precision), first, second, mixed
-
-    def _number(self, x: sp.Rational) -> Interval:
-        return rational(int(x.p), int(x.q), self.precision)
 
     def plus(self, a: Slope, b: Slope) -> Slope:
         """Return the sum."""
@@ -147,7 +125,6 @@ class JetWalk:
         return None if a is None else libmp.mpi_neg(a)
 
 
-_Derivatives: TypeAlias = tuple[sp.Expr, sp.Expr]
 _U = sp.Dummy("u", real=True)
 _KNOWN: tuple[Callable[[sp.Expr], sp.Expr], ...] = (
     sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.exp, sp.log, sp.atan, sp.asin, sp.acos,
@@ -155,7 +132,16 @@ _KNOWN: tuple[Callable[[sp.Expr], sp.Expr], ...] = (
 )  # fmt: skip
 
 
+def _outermost(x: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Return h, a function of ``_U``, and u of x = h(u)."""
+    if x.is_Pow:
+        return (sp.exp(_U), x.exp) if x.base is sp.E else (_U**x.exp, x.base)
+    if x.func not in _KNOWN:
+        raise NoEnclosureError(f"no jet of {x.func}")
+    return x.func(_U), x.args[0]
+
+
 @cache
-def _derivatives(h: Callable[[sp.Expr], sp.Expr]) -> _Derivatives:
-    """h′ and h″ of a known function; worked out when it is first met."""
-    return h(_U).diff(_U), h(_U).diff(_U, 2)
+def _derivatives(h: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """h′ and h″; worked out when a function is first met."""
+    return h.diff(_U), h.diff(_U, 2)
