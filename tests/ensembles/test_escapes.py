@@ -169,3 +169,19 @@ def test_stars_in_cartesian_coordinates_that_run_away_are_proved_to_in_the_batch
         for name, action in motion.actions.items():
             off = abs(float(batch.actions[name][i]) - float(action.value))
             assert off <= batch.error["actions"][name][i] + 1e-16 * abs(float(action.value)), name
+
+
+def test_actions_next_to_an_escape_from_far_out():
+    """E and α₂ cancel to 1e-7 of themselves: their rounding moved J by 1e-10, and no claim counted it.
+
+    J by a quadrature of 50 digits between the roots of p².
+    """
+    q = {"u": [-0.6438002192110047, -0.5779546385342301], "v": [-133.68728028569004, -47.73514718451622]}
+    p = {"u": [0.008053983491553505, 0.002103371671492781], "v": [0.0005727049344845503, 0.002675810723290351]}
+    want = {"actions", "frequencies", "turning_points"}
+    batch = hjsolve.ensemble("henon-heiles-separable", q=q, p=p, parameters={"c": 1}, want=want, fallback=False)
+    right = [0.092285408406135449933, 0.084393558333330603840]
+    off = np.abs(batch.columns["actions.u"] - right)
+    assert (batch.columns["status"] == Status.UNBOUNDED).all()
+    assert (off <= batch.columns["error.actions.u"]).all()
+    assert (batch.columns["error.actions.u"] < 1e-15).all()
