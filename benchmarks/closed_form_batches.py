@@ -36,8 +36,10 @@ from hjsolve.functions import modules
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution
 
-DRAWN = 1024
-"""Motions drawn with the same parameters."""
+DRAWN = 4096
+"""Motions drawn with the same parameters: passes of the engine, and what is judged, cost as much for fewer."""
+FEWEST_SETS = 4
+"""Sets of parameters, at least, that the motions of a regime have."""
 DRAWS = 200
 """Draws at most."""
 IDLE = 4
@@ -92,7 +94,7 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
             for there, columns in _turns(solution, table, others):
                 found = left & np.isfinite(_inside(own, there))
                 left &= ~found
-                kept = np.flatnonzero(found)[: motions - own.motions]
+                kept = np.flatnonzero(found)[: min(motions - own.motions, -(-motions // FEWEST_SETS))]
                 own.motions += len(kept)
                 if len(kept):
                     there, columns = taken(there, kept), {n: v[kept] for n, v in columns.items()}

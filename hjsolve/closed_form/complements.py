@@ -8,6 +8,7 @@ passes the vertical. Sums of complete integrals: ``complete_integrals.py``.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 import mpmath
 import sympy as sp
@@ -115,6 +116,7 @@ def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mp
     return found
 
 
+@lru_cache(maxsize=4096)  # forms of one regime, and regimes of one system, have most of their sums in common
 def _small(total: sp.Expr) -> sp.Expr:
     """Write u + √D as (u² − D)/(u − √D) where the signs differ, if that is short; keep squares in sums as squares."""
     if total.is_positive or elliptic(total) or longer_than(total, _LONGEST):

@@ -368,7 +368,6 @@ def verified_inverse(
         NoFormError: it does not.
     """
     check_time()
-    explicit = names.written_out(place)
     q = integral.curve.coordinate.symbol
     stop = nearby(own, integral)
     with mp.workdps(_DIGITS + 20):
@@ -383,7 +382,7 @@ def verified_inverse(
         unknown, offset = free[0], value_at(value, numbers)
         # the value is linear in each of t and the β, so one step of Newton's rule is exact
         numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
-        got = value_at(explicit, numbers)
+        got = value_at(place, names.at(place, numbers))
         if not abs(got - target) <= (abs(target) + mp.mpf(10) ** -5) * mp.mpf(10) ** -_DIGITS:
             raise NoFormError(f"not verified: the inverse gives {mp.nstr(got, 15)} for {mp.nstr(target, 15)}")
         # a turn later an arc function would be back at its first value, am u goes on
@@ -391,7 +390,7 @@ def verified_inverse(
             numbers[unknown] += value_at(integral.cycle, numbers) / value_at(sp.diff(value, unknown), numbers)
             turn = value_at(integral.curve.substitution.turn, numbers)
             # the angle itself, or the angle and a whole turn
-            turned = mp.sin((value_at(explicit, numbers) - target) * mp.pi / turn)
+            turned = mp.sin((value_at(place, names.at(place, numbers)) - target) * mp.pi / turn)
             if not abs(turned) <= mp.mpf(10) ** -_DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
     return place
