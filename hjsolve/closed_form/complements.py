@@ -23,6 +23,9 @@ from hjsolve.closed_form.tidy import elliptic, longer_than, operations
 _LONGEST = 60
 """Operations of a sum that is looked at: a longer one may take sympy seconds."""
 
+_MOST_TERMS = 24
+"""Terms of u² − D that are factored: more than ten never came out short (Vinti's forms, Stark's), and took seconds."""
+
 
 class ForDoubles:
     """Forms of one regime, and the definitions of their names, written so that doubles lose fewer digits.
@@ -128,7 +131,10 @@ def _small(total: sp.Expr) -> sp.Expr:
         return grouped(total)
     (root,) = rooted
     rest = total - root
-    above = sp.factor(sp.expand(rest**2) - sp.expand(root**2))
+    square = sp.expand(rest**2) - sp.expand(root**2)
+    if len(sp.Add.make_args(square)) > _MOST_TERMS:
+        return total
+    above = sp.factor(square)
     longest = max((len(a.args) for a in above.atoms(sp.Add)), default=1)
     if longest > len(sp.Add.make_args(rest)) + 1 or longer_than(above, operations(total)):
         return total
