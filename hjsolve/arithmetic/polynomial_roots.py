@@ -39,7 +39,7 @@ _PAIRED = 0.125
 _OF_HORNER = 2.0**-98
 """The error of one step of Horner's rule in two doubles, by what it adds: 2⁻¹⁰⁴ times a few, and ten to spare."""
 _OF_STEPS = 16 * EPS
-"""The relative error of a correction by its degree: roundings of a value, of a product of complex numbers, a quotient."""
+"""Relative error of a correction, over the degree: roundings of a value, of a product of complex numbers, a quotient."""
 _OF_BOUNDS = 1 + 1e-10
 """By which bounds are multiplied that were worked out in doubles themselves, with fewer than a thousand roundings."""
 _LOST = 1e-300
@@ -199,8 +199,8 @@ def _on_axis_where_alone(z: Complexes) -> Complexes:
 def _corrected(P: _Polynomials, z: Complexes) -> tuple[Complexes, Complexes, Reals, Reals]:
     """Correct starts until one correction more is right to the last digit.
 
-    Where no disks meet, P(zᵢ) = a ∏ (zᵢ − ζⱼ) gives ζᵢ = zᵢ − Wᵢ ∏ⱼ (zᵢ − zⱼ)/(zᵢ − ζⱼ) of the roots ζⱼ, and the product
-    is within s/(1 − s) of 1, with s = Σⱼ rⱼ/|zᵢ − zⱼ|: so zᵢ − Wᵢ needs no second look at P.
+    Where no disks meet, P(zᵢ) = a ∏ (zᵢ − ζⱼ) gives ζᵢ = zᵢ − Wᵢ ∏ⱼ (zᵢ − zⱼ)/(zᵢ − ζⱼ) for the roots ζⱼ, j ≠ i in the
+    product, which is within s/(1 − s) of 1, with s = Σⱼ rⱼ/|zᵢ − zⱼ|: so zᵢ − Wᵢ needs no second look at P.
 
     Returns:
         The places z, the corrections W there, the radii of Smith's disks about z, and how far z − W may be off.

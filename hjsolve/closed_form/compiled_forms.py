@@ -159,6 +159,7 @@ class CompiledRegime:
             placed: curves with symbols of places.
         """
         numbers = [given[s] for s in self.symbols]
+        # the cheap tests first: roots of 50 digits cost milliseconds
         if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
             return False
         if any(not test(*numbers) > 0 for test in self.tests):
@@ -191,6 +192,7 @@ class CompiledRegime:
         curves = [*(c for c, _ in self.curves), *(c for c, *_ in placed)]
         wanted = {id(c): self.for_arrays(c).at(table, shape, solved) for c in curves}
         places = [(c, r, self.place(c, symbol)) for c, r, symbol in placed]
+        # a curve without numbers in two doubles: every element is asked for by itself
         if any(found is None for found in (*wanted.values(), *(p for *_, p in places))):
             return good, np.ones(shape, dtype=bool)
         found = [wanted[id(c)].has(r) for c, r in self.curves]  # type: ignore[union-attr]
@@ -324,6 +326,7 @@ class CompiledForm:
                 continue
             roots, doubtful = root.rounded(known, shape, solved)
             known[symbol] = roots[index]
+            # fewer real roots than the regime has: either not of it, or two of them just met
             unsure = unsure | doubtful | np.isinf(roots[index])
         return known, unsure
 

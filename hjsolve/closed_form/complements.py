@@ -107,6 +107,7 @@ def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mp
         if value.is_Add or value == 0 or len(others) != P.degree() - 1 or not all(s in roots for s in others):
             continue
         side = sp.Integer(1 if roots[x] > c else -1)
+        # between c and x another root would be the one that is near
         if any(abs(roots[s] - c) < abs(roots[x] - c) for s in others if (roots[s] - c) * side > 0):
             continue
         quotient = -sign * value / (P.LC() * sp.Mul(*(c - s for s in others)))
@@ -136,6 +137,7 @@ def _small(total: sp.Expr) -> sp.Expr:
         return total
     above = sp.factor(square)
     longest = max((len(a.args) for a in above.atoms(sp.Add)), default=1)
+    # u² − D keeps a long sum: the cancellation was moved, not mended
     if longest > len(sp.Add.make_args(rest)) + 1 or longer_than(above, operations(total)):
         return total
     return sp.Piecewise((total, rest * root >= 0), (above / (rest - root), True))

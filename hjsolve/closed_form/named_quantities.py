@@ -275,6 +275,7 @@ def written_out(expression: sp.Expr, where: Mapping[sp.Symbol, sp.Expr | tuple[s
         where: symbol → definition.
     """
     table = {s: meaning for s, meaning in where.items() if not isinstance(meaning, tuple)}
+    # names are defined by names
     while held := expression.free_symbols & set(table):
         expression = expression.xreplace({s: table[s] for s in held})
     return expression
