@@ -39,7 +39,7 @@ _PAIRED = 0.125
 _OF_HORNER = 2.0**-98
 """The error of one step of Horner's rule in two doubles, by what it adds: 2⁻¹⁰⁴ times a few, and ten to spare."""
 _OF_STEPS = 16 * EPS
-"""Relative error of a correction, over the degree: roundings of a value, of a product of complex numbers, a quotient."""
+"""Relative error of a correction, over the degree: roundings of a value, of a product of complex numbers, and more."""
 _OF_BOUNDS = 1 + 1e-10
 """By which bounds are multiplied that were worked out in doubles themselves, with fewer than a thousand roundings."""
 _LOST = 1e-300
@@ -91,7 +91,8 @@ def _proved(coefficients: Sequence[Pair], errors: Sequence[Reals]) -> RealRoots:
     distance = abs(_differences(z, np.inf))
     real = z.imag == 0
     apart = (distance > (radius[:, None] + radius[None]) * _OF_BOUNDS).all(axis=1)
-    proved = np.where(real, apart, abs(z.imag) > radius).all(axis=0) & np.isfinite(radius).all(axis=0) & known
+    # complex ones, too, must be apart: else a root might be in the other's disk, and corrections count on its own
+    proved = (apart & (real | (abs(z.imag) > radius))).all(axis=0) & np.isfinite(radius).all(axis=0) & known
     # within its disk, so that the order stays
     values = np.where(real, z.real - step.real, np.inf)
     order = np.argsort(values, axis=0)
