@@ -32,6 +32,8 @@ _ROUNDS = 16
 """Corrections at most: from starts with half of their digits three are enough, roots that nearly meet take ten."""
 _SETTLED = 0.75 * EPS
 """A correction of a real root by its size, below which it is the rounding of the root, half a unit at most."""
+_FORMULAS = 1e-3
+"""The distance of two roots by their size, above which Cardano's formula has more than half of their digits."""
 _ALONE = 1e-3
 """An imaginary part below this part of the distance to the next root is none: a conjugate would be nearer than that."""
 _PAIRED = 0.125
@@ -157,29 +159,32 @@ def _differences(z: Complexes, same: float) -> Complexes:
 
 
 def _starts(P: _Polynomials) -> Complexes:
-    """Roots in doubles, of which corrections need half of the digits: of cubics by Cardano's formula, else by LAPACK.
+    """Roots in doubles, of which corrections need half of the digits: by formulas where these have them, else LAPACK's.
 
-    The eigenvalues of companion matrices are balanced there, so that roots of all sizes keep most of their digits; a
-    cubic's takes eight times as long as the formula.
+    Eigenvalues of companion matrices are balanced there, so that roots of all sizes keep most of their digits; of a
+    cubic they take eight times as long as Cardano's formula.
     """
     degree, monic = len(P.high) - 1, P.high[1:] / P.high[0]
-    if degree == 2:
-        half = -monic[0].astype(complex) / 2
-        far = half + np.where(half.real < 0, -1, 1) * np.sqrt(half**2 - monic[1])
-        z = np.stack([far, monic[1] / np.where(far == 0, 1.0, far)])
-    elif degree == 3:
-        z = _cubic(*monic)
-    else:
-        companion = np.zeros((P.high.shape[1], degree, degree))
+    z = _quadratic(*monic) if degree == 2 else _cubic(*monic) if degree == 3 else np.full(monic.shape, 0j)
+    hard = ~(abs(_differences(z, np.inf)).min(axis=1) > _FORMULAS * abs(z)).all(axis=0) if degree > 2 else degree < 2
+    if np.any(hard):
+        some = np.flatnonzero(np.broadcast_to(hard, monic.shape[1:]))
+        companion = np.zeros((len(some), degree, degree))
         companion[:, range(1, degree), range(degree - 1)] = 1.0
-        companion[:, 0] = -monic.T
-        z = np.ascontiguousarray(np.linalg.eigvals(companion).astype(complex).T)
+        companion[:, 0] = -monic[:, some].T
+        z[:, some] = np.linalg.eigvals(companion).T
     zero = (P.high[-1] == 0) & (P.off[-1] == 0)  # P(0) = 0: corrections of relative size would never settle there
     z[np.argmin(abs(z), axis=0)[zero], np.flatnonzero(zero)] = 0.0
     for one in range(1, len(z)):  # starts that coincide would divide by zero
         for other in range(one):
             z[one] = np.where(z[one] == z[other], z[one] * (1 + 1e-9 * one) + 1e-12 * one, z[one])
     return z
+
+
+def _quadratic(b: Reals, c: Reals) -> Complexes:
+    half = -b.astype(complex) / 2
+    far = half + np.where(half.real < 0, -1, 1) * np.sqrt(half**2 - c)
+    return np.stack([far, c / np.where(far == 0, 1.0, far)])
 
 
 def _cubic(a: Reals, b: Reals, c: Reals) -> Complexes:

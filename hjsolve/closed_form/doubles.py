@@ -186,9 +186,15 @@ class CurveForArrays:
     @cached_property
     def roots(self) -> RootsOfPolynomial | None:
         """Of what is left; None where the coordinate may come to rest between them, which is not looked for."""
-        # at a zero of S the momentum vanishes though P does not: 50 digits look for such places
-        rests = sp.numer(sp.together(self.curve.square)).has(self.curve.x)
-        return None if rests else roots_of(self.without_ends[0])
+        # at a zero of S within the domain the momentum vanishes though P does not: 50 digits look for such places
+        _, factors = sp.factor_list(sp.numer(sp.together(self.curve.square)), self.curve.x)
+        return None if any(self._vanishes(f) for f, _ in factors) else roots_of(self.without_ends[0])
+
+    def _vanishes(self, factor: sp.Expr) -> bool:
+        """Return whether a factor of S may be zero within the domain: 1 + tan² of half an angle never is."""
+        s, own = self.curve.substitution, sp.Poly(factor, self.curve.x)
+        ends = () if s.closed else (s.lower, s.upper)
+        return bool(own.free_symbols_in_domain) or any(root not in ends for root in sp.real_roots(own))
 
     @cached_property
     def ends(self) -> FormulasForArrays | None:
