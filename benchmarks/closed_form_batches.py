@@ -51,6 +51,8 @@ UNKNOWN = 3
 CYCLES = ("periods.", "actions.", "frequencies.", "turning_points.")
 _DERIVED = 10.0
 """Seconds for the forms of a regime that is met."""
+_STEP = 1e-6
+"""Of ξ, by which the rate of the time by the place is worked out."""
 _FIRST = 1.5
 """Of an anomaly up to which q grows: below K(k) ≥ π/2, and π of an ellipse."""
 
@@ -300,10 +302,27 @@ def _inverses(
         q = own.at(f"anomaly.{name}", there)
         value, lost = quadrature.between(name, given, np.fmin(q, low), np.fmax(q, low))[E]
         back = np.where(q > low, value, -value)
-        # q(ξ) in doubles is off by roundings times its condition: the quadrature ends where ξ is off by that over dq/dξ
-        size, slope = condition(own, f"anomaly.{name}", there, {"xi": np.ones(len(q))})
-        off = FAR * ULP * np.fmax(size, abs(q)) / np.where(slope > 0, slope, np.nan)
-        compare(own, "anomaly.t", there, back, lost, {"xi": off})
+        _pair(own, name, there, q, (back, lost))
+
+
+def _pair(own: Met, name: str, there: Table, q: Reals, side: tuple[Reals, Reals]) -> None:
+    """t(ξ) against the time to the double that q(ξ) is: where that is off, the quadrature ends at another ξ."""
+    (back, lost), xi = side, there["xi"]
+    size, slope = condition(own, f"anomaly.{name}", there, {"xi": np.ones(len(q))})
+    off = FAR * ULP * np.fmax(size, abs(q)) / np.where(slope > 0, slope, np.nan)
+    ends = [{**there, "xi": xi + step} for step in (-_STEP, _STEP)]
+    (t_below, q_below), (t_above, q_above) = (
+        (own.at("anomaly.t", end), own.at(f"anomaly.{name}", end)) for end in ends
+    )
+    with np.errstate(all="ignore"):
+        rate = (t_above - t_below) / (q_above - q_below)
+
+    def right(k: int) -> float:
+        at = {n: float(v[k]) for n, v in there.items()}
+        beyond = float(q[k]) - in_many_digits(own.form, f"anomaly.{name}", at)
+        return in_many_digits(own.form, "anomaly.t", at) + beyond * float(rate[k])
+
+    compare(own, "anomaly.t", there, back, lost + ULP * abs(q * rate), {"xi": off}, right)
 
 
 HEAD = (
