@@ -111,8 +111,7 @@ def librations(
     wide, slow = np.flatnonzero(~sums.good), np.zeros(n, dtype=bool)
     if len(wide):
         some = one.take(wide)
-        # without kernels nothing counts what the constants do to chords
-        chords = modes.kernels and all(view.relative is not None for view in some.programs.views)
+        chords = all(view.relative is not None for view in some.programs.views)
         part, motions, over = _wide(some, modes._replace(chords=chords, shifts=True))
         slow[wide[over]] = True
         sums.put(wide, part)
