@@ -28,7 +28,7 @@ _SPECIAL = 1e-12
 _DIGITS_BEYOND_DOUBLES = 30
 """Of what is not finite in doubles."""
 _BLOCK = 16384
-"""Elements worked on together: the numbers of a polynomial and its roots stay in the processor's cache."""
+"""Elements worked on together: coefficients and roots of so many polynomials stay in the processor's cache."""
 _Compiled = Callable[..., Any]
 """A function of numbers or arrays."""
 
