@@ -228,7 +228,7 @@ def verify_along(names: NamedQuantities, made: Regularised, key: sp.Symbol, valu
         ends = list[tuple[mpmath.mpf, mpmath.mpf]]()
         for ξ in made.span():
             at = names.numbers | {made.ξ: number_of(ξ, {})}
-            there, got = (value_at(e, names.at(e, at)) for e in (made.place, value))
+            there, got = (value_at(names.written_out(e), at) for e in (made.place, value))
             ends.append((got, value_at(integral.value, names.numbers | sample_numbers(made.own) | {q: there})))
         (a, b), (c, d) = ends
         if not abs((c - a) - (d - b)) <= abs(d - b) * mp.mpf(10) ** -_DIGITS:

@@ -238,7 +238,7 @@ class NamedQuantities:
         """
         known = dict(numbers)
         for symbol, meaning in needed_names(expression.free_symbols, self.where)[0].items():
-            if not isinstance(meaning, tuple):
+            if not isinstance(meaning, tuple) and meaning.free_symbols <= known.keys():
                 known[symbol] = number_of(meaning, known)
         return known
 

@@ -289,7 +289,7 @@ class Anomaly(Regularised):
 
     def _number(self, e: sp.Expr) -> mpmath.mpf:
         with mp.workdps(50):
-            return value_at(e, self.names.at(e, self.names.numbers))
+            return value_at(self.names.written_out(e), self.names.numbers)
 
     def span(self) -> tuple[sp.Expr, sp.Expr]:
         """Return two values of the parameter on the branch on which q grows."""
