@@ -36,8 +36,10 @@ from hjsolve.functions import modules
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution
 
-DRAWN = 1024
-"""Motions drawn with the same parameters."""
+DRAWN = 4096
+"""Motions drawn with the same parameters: passes of the engine, and what is judged, cost as much for fewer."""
+FEWEST_SETS = 4
+"""Sets of parameters, at least, that the motions of a regime have."""
 DRAWS = 200
 """Draws at most."""
 IDLE = 4
@@ -49,6 +51,8 @@ UNKNOWN = 3
 CYCLES = ("periods.", "actions.", "frequencies.", "turning_points.")
 _DERIVED = 10.0
 """Seconds for the forms of a regime that is met."""
+_STEP = 1e-6
+"""Of ξ, by which the rate of the time by the place is worked out."""
 _FIRST = 1.5
 """Of an anomaly up to which q grows: below K(k) ≥ π/2, and π of an ellipse."""
 
@@ -92,7 +96,7 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
             for there, columns in _turns(solution, table, others):
                 found = left & np.isfinite(_inside(own, there))
                 left &= ~found
-                kept = np.flatnonzero(found)[: motions - own.motions]
+                kept = np.flatnonzero(found)[: min(motions - own.motions, -(-motions // FEWEST_SETS))]
                 own.motions += len(kept)
                 if len(kept):
                     there, columns = taken(there, kept), {n: v[kept] for n, v in columns.items()}
@@ -298,9 +302,27 @@ def _inverses(
         q = own.at(f"anomaly.{name}", there)
         value, lost = quadrature.between(name, given, np.fmin(q, low), np.fmax(q, low))[E]
         back = np.where(q > low, value, -value)
-        with np.errstate(all="ignore"):
-            rate = abs(back / (q - low))
-        compare(own, "anomaly.t", there, back, lost + FAR * ULP * abs(q) * rate, {})
+        _pair(own, name, there, q, (back, lost))
+
+
+def _pair(own: Met, name: str, there: Table, q: Reals, side: tuple[Reals, Reals]) -> None:
+    """t(ξ) against the time to the double that q(ξ) is: where that is off, the quadrature ends at another ξ."""
+    (back, lost), xi = side, there["xi"]
+    size, slope = condition(own, f"anomaly.{name}", there, {"xi": np.ones(len(q))})
+    off = FAR * ULP * np.fmax(size, abs(q)) / np.where(slope > 0, slope, np.nan)
+    ends = [{**there, "xi": xi + step} for step in (-_STEP, _STEP)]
+    (t_below, q_below), (t_above, q_above) = (
+        (own.at("anomaly.t", end), own.at(f"anomaly.{name}", end)) for end in ends
+    )
+    with np.errstate(all="ignore"):
+        rate = (t_above - t_below) / (q_above - q_below)
+
+    def right(k: int) -> float:
+        at = {n: float(v[k]) for n, v in there.items()}
+        beyond = float(q[k]) - in_many_digits(own.form, f"anomaly.{name}", at)
+        return in_many_digits(own.form, "anomaly.t", at) + beyond * float(rate[k])
+
+    compare(own, "anomaly.t", there, back, lost + ULP * abs(q * rate), {"xi": off}, right)
 
 
 HEAD = (

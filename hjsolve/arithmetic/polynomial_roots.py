@@ -1,7 +1,7 @@
 """The real roots of many polynomials at once, proved: how many there are, their order, and how far each may be off.
 
-Coefficients come in two doubles with bounds on their errors. Starts are eigenvalues of companion matrices, corrections
-those of Weierstrass, with the polynomial evaluated in two doubles,
+Coefficients come in two doubles with bounds on their errors. Starts are roots in doubles, corrections those of
+Weierstrass, with the polynomial evaluated in two doubles,
 
     Wᵢ = P(zᵢ) / (a ∏ⱼ (zᵢ − zⱼ)),        zᵢ ← zᵢ − Wᵢ,
 
@@ -32,12 +32,16 @@ _ROUNDS = 16
 """Corrections at most: from starts with half of their digits three are enough, roots that nearly meet take ten."""
 _SETTLED = 0.75 * EPS
 """A correction of a real root by its size, below which it is the rounding of the root, half a unit at most."""
+_FORMULAS = 1e-3
+"""The distance of two roots by their size, above which Cardano's formula has more than half of their digits."""
 _ALONE = 1e-3
 """An imaginary part below this part of the distance to the next root is none: a conjugate would be nearer than that."""
 _PAIRED = 0.125
 """Half the distance of two roots by their middle, below which they are corrected together: m ± h loses no digits."""
 _OF_HORNER = 2.0**-98
 """The error of one step of Horner's rule in two doubles, by what it adds: 2⁻¹⁰⁴ times a few, and ten to spare."""
+_OF_STEPS = 16 * EPS
+"""Relative error of a correction, over the degree: roundings of a value, of a product of complex numbers, and more."""
 _OF_BOUNDS = 1 + 1e-10
 """By which bounds are multiplied that were worked out in doubles themselves, with fewer than a thousand roundings."""
 _LOST = 1e-300
@@ -85,13 +89,14 @@ def _proved(coefficients: Sequence[Pair], errors: Sequence[Reals]) -> RealRoots:
     unit = np.where(np.arange(degree + 1) == 0, 1.0, 0.0)[:, None]
     unit[-1] = -1.0  # any polynomial with simple roots, where there is none
     P = _Polynomials(np.where(known, high, unit), np.where(known, low, 0.0), np.where(known, off, 0.0))
-    z, above = _corrected(P, _on_axis_where_alone(_starts(P)))
-    radius, error = _disks(P, z, above)
-    distance = _differences(z, np.inf)
+    z, step, radius, error = _corrected(P, _on_axis_where_alone(_starts(P)))
+    distance = abs(_differences(z, np.inf))
     real = z.imag == 0
-    apart = (abs(distance) > (radius[:, None] + radius[None]) * _OF_BOUNDS).all(axis=1)
-    proved = np.where(real, apart, abs(z.imag) > radius).all(axis=0) & np.isfinite(radius).all(axis=0) & known
-    values = np.where(real, z.real, np.inf)
+    apart = (distance > (radius[:, None] + radius[None]) * _OF_BOUNDS).all(axis=1)
+    # complex ones, too, must be apart: else a root might be in the other's disk, and corrections count on its own
+    proved = (apart & (real | (abs(z.imag) > radius))).all(axis=0) & np.isfinite(radius).all(axis=0) & known
+    # within its disk, so that the order stays
+    values = np.where(real, z.real - step.real, np.inf)
     order = np.argsort(values, axis=0)
     roots = np.ldexp(np.take_along_axis(values, order, axis=0), power)
     error = np.ldexp(np.take_along_axis(np.where(real, error, 0.0), order, axis=0), power)
@@ -154,12 +159,20 @@ def _differences(z: Complexes, same: float) -> Complexes:
 
 
 def _starts(P: _Polynomials) -> Complexes:
-    """Eigenvalues of companion matrices: LAPACK balances them, so that roots of all sizes keep most of their digits."""
-    degree = len(P.high) - 1
-    companion = np.zeros((P.high.shape[1], degree, degree))
-    companion[:, range(1, degree), range(degree - 1)] = 1.0
-    companion[:, 0] = -(P.high[1:] / P.high[0]).T
-    z = np.ascontiguousarray(np.linalg.eigvals(companion).astype(complex).T)
+    """Roots in doubles, of which corrections need half of the digits: by formulas where these have them, else LAPACK's.
+
+    Eigenvalues of companion matrices are balanced there, so that roots of all sizes keep most of their digits; of a
+    cubic they take eight times as long as Cardano's formula.
+    """
+    degree, monic = len(P.high) - 1, P.high[1:] / P.high[0]
+    z = _quadratic(*monic) if degree == 2 else _cubic(*monic) if degree == 3 else np.full(monic.shape, 0j)
+    hard = ~(abs(_differences(z, np.inf)).min(axis=1) > _FORMULAS * abs(z)).all(axis=0) if degree > 2 else degree < 2
+    if np.any(hard):
+        some = np.flatnonzero(np.broadcast_to(hard, monic.shape[1:]))
+        companion = np.zeros((len(some), degree, degree))
+        companion[:, range(1, degree), range(degree - 1)] = 1.0
+        companion[:, 0] = -monic[:, some].T
+        z[:, some] = np.linalg.eigvals(companion).T
     zero = (P.high[-1] == 0) & (P.off[-1] == 0)  # P(0) = 0: corrections of relative size would never settle there
     z[np.argmin(abs(z), axis=0)[zero], np.flatnonzero(zero)] = 0.0
     for one in range(1, len(z)):  # starts that coincide would divide by zero
@@ -168,31 +181,64 @@ def _starts(P: _Polynomials) -> Complexes:
     return z
 
 
+def _quadratic(b: Reals, c: Reals) -> Complexes:
+    half = -b.astype(complex) / 2
+    far = half + np.where(half.real < 0, -1, 1) * np.sqrt(half**2 - c)
+    return np.stack([far, c / np.where(far == 0, 1.0, far)])
+
+
+def _cubic(a: Reals, b: Reals, c: Reals) -> Complexes:
+    """Return the roots of x³ + ax² + bx + c: x = y − a/3, y = u − p/3u for the three u³ = −q/2 ± √(q²/4 + p³/27)."""
+    p, q = b - a**2 / 3, a * (2 * a**2 / 27 - b / 3) + c
+    root = np.sqrt((q**2 / 4 + p**3 / 27).astype(complex))
+    cube = -q / 2 + np.where(q < 0, root, -root)  # of both signs that in which nothing cancels
+    u = np.where(cube == 0, 0.0, cube ** (1 / 3)) * np.exp(2j * np.pi / 3 * np.arange(3))[:, None]
+    return np.asarray(u - np.where(u == 0, 0.0, p / (3 * np.where(u == 0, 1.0, u))) - a / 3)
+
+
 def _on_axis_where_alone(z: Complexes) -> Complexes:
     """Return the roots, real where no conjugate can be as near as its imaginary part says."""
     nearest = abs(_differences(z, np.inf)).min(axis=1)
     return np.where(abs(z.imag) <= _ALONE * nearest, z.real.astype(complex), z)
 
 
-def _corrected(P: _Polynomials, z: Complexes) -> tuple[Complexes, Reals]:
-    """Correct starts until corrections are roundings; return the roots, and bounds on abs(P) there."""
-    waiting, above = np.ones(z.shape[1], dtype=bool), np.full(z.shape, np.inf)
+def _corrected(P: _Polynomials, z: Complexes) -> tuple[Complexes, Complexes, Reals, Reals]:
+    """Correct starts until one correction more is right to the last digit.
+
+    Where no disks meet, P(zᵢ) = a ∏ (zᵢ − ζⱼ) gives ζᵢ = zᵢ − Wᵢ ∏ⱼ (zᵢ − zⱼ)/(zᵢ − ζⱼ) for the roots ζⱼ, j ≠ i in the
+    product, which is within s/(1 − s) of 1, with s = Σⱼ rⱼ/|zᵢ − zⱼ|: so zᵢ − Wᵢ needs no second look at P.
+
+    Returns:
+        The places z, the corrections W there, the radii of Smith's disks about z, and how far z − W may be off.
+    """
+    waiting, step, n = np.ones(z.shape[1], dtype=bool), np.zeros_like(z), len(z)
+    radius, error = np.full(z.shape, np.inf), np.full(z.shape, np.inf)
     for turn in range(_ROUNDS + 1):
         own, there = P.of(waiting), z[:, waiting]
         value, off = own(there)
-        above[:, waiting] = (abs(value) + off) * _OF_BOUNDS
-        step = value / (own.high[0] * np.prod(_differences(there, 1.0), axis=1))
-        settled = (abs(step) <= np.where(there.imag == 0, _SETTLED, 4 * EPS) * abs(there)).all(axis=0)
-        left = ~settled & (turn < _ROUNDS)
+        distance = _differences(there, 1.0)
+        product, leading = np.prod(distance, axis=1), abs(own.high[0]) * (1 - EPS) - own.off[0]
+        W, size = value / (own.high[0] * product), leading * abs(product)
+        above = (abs(value) + off) / size * _OF_BOUNDS
+        near = n * above / abs(distance)
+        near[range(n), range(n)] = 0.0
+        s = near.sum(axis=1)
+        moved = np.where(s < 1, s / (1 - s), np.inf) * _OF_BOUNDS
+        step[:, waiting], radius[:, waiting] = W, n * above
+        error[:, waiting] = (
+            above * (moved + n * _OF_STEPS + own.off[0] / leading) + off / size + EPS / 2 * abs(there - W)
+        ) * _OF_BOUNDS
+        last = (abs(W) <= _SETTLED * abs(there)) | (abs(W) * moved <= EPS / 8 * abs(there))
+        left = ~last.all(axis=0) & (turn < _ROUNDS)
         if not left.any():
             break
         waiting[waiting] = left
-        there, step = there[:, left], step[:, left]
-        moved = there - np.where(np.isfinite(step), step, 0.0)
+        there, W = there[:, left], W[:, left]
+        corrected = there - np.where(np.isfinite(W), W, 0.0)
         if turn:
-            moved = _nearest_pair(there, moved, step)
-        z[:, waiting] = _on_axis_where_alone(moved)
-    return z, above
+            corrected = _nearest_pair(there, corrected, W)
+        z[:, waiting] = _on_axis_where_alone(corrected)
+    return z, step, radius, error
 
 
 def _nearest_pair(z: Complexes, moved: Complexes, step: Complexes) -> Complexes:
@@ -216,20 +262,6 @@ def _nearest_pair(z: Complexes, moved: Complexes, step: Complexes) -> Complexes:
     moved[i, m] = np.where(fits, between + root, moved[i, m])
     moved[j, m] = np.where(fits, between - root, moved[j, m])
     return moved
-
-
-def _disks(P: _Polynomials, z: Complexes, above: Reals) -> tuple[Reals, Reals]:
-    """Return the radii of Smith's disks; and how far a root is from the middle of its own where disks do not meet.
-
-    ``above`` bounds abs(P(zᵢ)). There P(zᵢ) = a ∏ (zᵢ − ζⱼ), and |zᵢ − ζⱼ| ≥ |zᵢ − zⱼ| − rⱼ for the other roots ζⱼ.
-    """
-    leading = abs(P.high[0]) * (1 - EPS) - P.off[0]
-    distance = abs(_differences(z, np.inf))
-    distance[range(len(z)), range(len(z))] = 1.0
-    radius = len(z) * above / (leading * np.prod(distance, axis=1)) * _OF_BOUNDS
-    left = distance - radius[None]
-    left[range(len(z)), range(len(z))] = 1.0
-    return radius, np.where((left > 0).all(axis=1), above / (leading * np.prod(left, axis=1)) * _OF_BOUNDS, np.inf)
 
 
 def size_of_roots(coefficients: Sequence[Reals]) -> Reals:

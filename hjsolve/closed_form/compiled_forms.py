@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -26,6 +27,8 @@ _SPECIAL = 1e-12
 """How far a constant may be off what it is in a special case: it is a double."""
 _DIGITS_BEYOND_DOUBLES = 30
 """Of what is not finite in doubles."""
+_BLOCK = 16384
+"""Elements worked on together: coefficients and roots of so many polynomials stay in the processor's cache."""
 _Compiled = Callable[..., Any]
 """A function of numbers or arrays."""
 
@@ -156,6 +159,7 @@ class CompiledRegime:
             placed: curves with symbols of places.
         """
         numbers = [given[s] for s in self.symbols]
+        # the cheap tests first: roots of 50 digits cost milliseconds
         if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
             return False
         if any(not test(*numbers) > 0 for test in self.tests):
@@ -188,6 +192,7 @@ class CompiledRegime:
         curves = [*(c for c, _ in self.curves), *(c for c, *_ in placed)]
         wanted = {id(c): self.for_arrays(c).at(table, shape, solved) for c in curves}
         places = [(c, r, self.place(c, symbol)) for c, r, symbol in placed]
+        # a curve without numbers in two doubles: every element is asked for by itself
         if any(found is None for found in (*wanted.values(), *(p for *_, p in places))):
             return good, np.ones(shape, dtype=bool)
         found = [wanted[id(c)].has(r) for c, r in self.curves]  # type: ignore[union-attr]
@@ -269,25 +274,35 @@ class CompiledForm:
         listed = [np.asarray(v, dtype=float) for v in self.values(given)]
         places = np.broadcast_arrays(*listed) if listed else []
         shape = places[0].shape if places else ()
+        flat = [np.ravel(a) for a in places]
+        blocks = [
+            self._block([a[begin : begin + _BLOCK] for a in flat], min(_BLOCK, math.prod(shape) - begin))
+            for begin in range(0, max(1, math.prod(shape)), _BLOCK)
+        ]
+        return np.concatenate(blocks).reshape(shape)[()]
+
+    def _block(self, places: Sequence[Reals], count: int) -> Reals:
+        import numpy as np
+
         table, solved = dict(zip(self.symbols, places, strict=True)), Solved()
         with np.errstate(all="ignore"):
-            good, unsure = self.regime.inside(table, shape, self.placed, solved)
-            named, doubtful = self._names(table, shape, solved)
+            good, unsure = self.regime.inside(table, (count,), self.placed, solved)
+            named, doubtful = self._names(table, (count,), solved)
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
-            for place in np.argwhere(good & (unsure | doubtful)):
-                result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
+            for k in np.flatnonzero(good & (unsure | doubtful)):
+                result[k] = float(self.one([float(a[k]) for a in places]))
         self._not_finite(result, good, places)
-        return result[()]
+        return result
 
     def _not_finite(self, result: Reals, good: Mask, places: Sequence[Reals]) -> None:
         """Work out again what is not finite: cosh 800 in doubles, or √(1 − x²) where rounding left x above 1."""
         import numpy as np
 
-        for place in np.argwhere(good & ~np.isfinite(result)):
-            given = dict(zip(self.symbols, (mp.mpf(float(a[tuple(place)])) for a in places), strict=True))
+        for k in np.flatnonzero(good & ~np.isfinite(result)):
+            given = dict(zip(self.symbols, (mp.mpf(float(a[k])) for a in places), strict=True))
             with mp.workdps(_DIGITS_BEYOND_DOUBLES):
                 value = self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
-            result[tuple(place)] = float(value) if mp.im(value) == 0 else np.nan
+            result[k] = float(value) if mp.im(value) == 0 else np.nan
 
     def _names(
         self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...], solved: Solved
@@ -311,6 +326,7 @@ class CompiledForm:
                 continue
             roots, doubtful = root.rounded(known, shape, solved)
             known[symbol] = roots[index]
+            # fewer real roots than the regime has: either not of it, or two of them just met
             unsure = unsure | doubtful | np.isinf(roots[index])
         return known, unsure
 

@@ -8,6 +8,7 @@ passes the vertical. Sums of complete integrals: ``complete_integrals.py``.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 import mpmath
 import sympy as sp
@@ -21,6 +22,9 @@ from hjsolve.closed_form.tidy import elliptic, longer_than, operations
 
 _LONGEST = 60
 """Operations of a sum that is looked at: a longer one may take sympy seconds."""
+
+_MOST_TERMS = 24
+"""Terms of u² − D that are factored: more than ten never came out short (Vinti's forms, Stark's), and took seconds."""
 
 
 class ForDoubles:
@@ -103,6 +107,7 @@ def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mp
         if value.is_Add or value == 0 or len(others) != P.degree() - 1 or not all(s in roots for s in others):
             continue
         side = sp.Integer(1 if roots[x] > c else -1)
+        # between c and x another root would be the one that is near
         if any(abs(roots[s] - c) < abs(roots[x] - c) for s in others if (roots[s] - c) * side > 0):
             continue
         quotient = -sign * value / (P.LC() * sp.Mul(*(c - s for s in others)))
@@ -115,6 +120,7 @@ def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mp
     return found
 
 
+@lru_cache(maxsize=4096)  # forms of one regime, and regimes of one system, have most of their sums in common
 def _small(total: sp.Expr) -> sp.Expr:
     """Write u + √D as (u² − D)/(u − √D) where the signs differ, if that is short; keep squares in sums as squares."""
     if total.is_positive or elliptic(total) or longer_than(total, _LONGEST):
@@ -126,8 +132,12 @@ def _small(total: sp.Expr) -> sp.Expr:
         return grouped(total)
     (root,) = rooted
     rest = total - root
-    above = sp.factor(sp.expand(rest**2) - sp.expand(root**2))
+    square = sp.expand(rest**2) - sp.expand(root**2)
+    if len(sp.Add.make_args(square)) > _MOST_TERMS:
+        return total
+    above = sp.factor(square)
     longest = max((len(a.args) for a in above.atoms(sp.Add)), default=1)
+    # u² − D keeps a long sum: the cancellation was moved, not mended
     if longest > len(sp.Add.make_args(rest)) + 1 or longer_than(above, operations(total)):
         return total
     return sp.Piecewise((total, rest * root >= 0), (above / (rest - root), True))

@@ -109,9 +109,11 @@ class CompleteIntegrals:
 
     def _of_parameter(self, m: sp.Expr, weights: dict[sp.Expr, sp.Expr]) -> sp.Expr:
         c = self.complement(m)
+        # K alone loses nothing: it is R_F(0, 1 − m, 1) as it stands
         if c is None and all(isinstance(i, sp.elliptic_k) for i in weights):
             return sp.Add(*(w * i for i, w in weights.items()))
         c = self.tidy(1 - m) if c is None else c
+        # Π = K + n J: the K of all poles are counted into one coefficient, where they cancel in exact arithmetic
         a, b = weights.pop(sp.elliptic_k(m), sp.S.Zero), weights.pop(sp.elliptic_e(m), sp.S.Zero)
         poles, value = list[_Pole](), sp.S.Zero
         for integral, A in weights.items():
@@ -125,11 +127,13 @@ class CompleteIntegrals:
             ratio = self.tidy(m / n)
             weight = _either(A * n, pole.far, -self.tidy(A * m / n))
             value += weight * CarlsonRJ(0, c, 1, _either(self._one_minus(n), pole.far, self._one_minus(ratio))) / 3
+        # half turns of one size first: ½π (1 − 1) is 0, the difference of two large products is not
         for size in dict.fromkeys(p.size for p in poles):
             turns = sp.Add(*(_either(sp.S.Zero, p.far, p.sign) for p in poles if p.size == size))
             value += sp.pi / 2 * size * turns
         if b == 0:
             return value + self._coefficient(a, poles) * CarlsonRF(0, c, 1)
+        # K = B + D, E = B + c D
         first, second = self._coefficient(a + b, poles), self._coefficient(a + b * c, poles)
         return value + (first * c * CarlsonRD(0, 1, c) + second * CarlsonRD(0, c, 1)) / 3
 
@@ -142,6 +146,7 @@ class CompleteIntegrals:
         parts, value = self._parts(own) if poles else [own], sp.S.Zero
         for pole in sorted(poles, key=lambda pole: not self._near(pole.A)):
             near = self._near(pole.A)
+            # what grows next to the same pole is put together before anything is rounded
             held = [part for part in parts if not near or self._near(part) & near]
             parts = [part for part in parts if part not in held]
             value += _either(self.tidy(sp.Add(*held, pole.A)), pole.far, self.tidy(sp.Add(*held)))
@@ -174,6 +179,7 @@ class CompleteIntegrals:
         if not (A.free_symbols | n.free_symbols | m.free_symbols) <= self.example.keys():
             return None
         at_n, at_m = number_of(n, self.example), number_of(m, self.example)
+        # A² n/((1 − n)(n − m)) ≤ 0: the residue is not real, and there is no half turn
         if 0 <= at_n <= at_m or at_n >= 1:
             return None
         square = A**2 * n / ((1 - n) * (n - m))
@@ -238,6 +244,7 @@ class CompleteIntegrals:
         by_roots = in_roots(explicit, self.roots) if self.far else explicit
         if by_roots != explicit and not longer_than(by_roots, _LONGEST):
             candidates.append(sp.factor(sp.together(by_roots)))
+        # digits before length: the shorter form may be the one that cancels
         return min(candidates, key=lambda e: (self._loss(e, points), sp.count_ops(e)))
 
     def _points(self, explicit: sp.Expr) -> list[Mapping[sp.Symbol, mpmath.mpf]]:
@@ -248,6 +255,8 @@ class CompleteIntegrals:
         points: list[Mapping[sp.Symbol, mpmath.mpf]] = [self.example, *self.far]
         for x, pole in self._near(explicit):
             at = number_of(pole, self.example)
+            # x is moved towards the pole and nothing else: coefficients are identities in the roots, not in the
+            # constants
             points.append({**self.example, x: at + (self.example[x] - at) * _NEAR})
         return points
 
@@ -331,6 +340,7 @@ def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mappin
 
 def _with_error(e: sp.Expr, point: Mapping[sp.Symbol, mpmath.mpf]) -> tuple[mpmath.mpf, mpmath.mpf]:
     """Return a value, and a bound of its error in units of the last place of 1, each number known to its last place."""
+    # running errors to first order: enough to compare two forms, no bound is claimed
     if e.is_Add:
         values, errors = zip(*(_with_error(a, point) for a in e.args), strict=True)
         return sum(values), sum(errors) + abs(sum(values))

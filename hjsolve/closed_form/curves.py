@@ -139,10 +139,12 @@ def momentum_curve(substitution: Substitution, coordinate: Coordinate, square: s
         square: P²(q).
     """
     x = substitution.x
+    # letters in place of √2 or sin α: sympy's polynomials over algebraic numbers are much slower
     bare, back = named_constants(substitution.function * substitution.slope_squared, x)
     top, bottom = sp.fraction(sp.cancel(sp.together(bare)))
     if not (top.is_polynomial(x) and bottom.is_polynomial(x)) or top == 0:
         return None
+    # R = N/D in lowest terms; √R = √(odd part) × (the rest), so that P has no square factor
     below = sp.factor_list(bottom, x)
     monic = sp.Mul(*(factor**power for factor, power in below[1]))
     above = sp.factor_list(top, x)
@@ -152,6 +154,7 @@ def momentum_curve(substitution: Substitution, coordinate: Coordinate, square: s
     for factor, power in powers.items():
         root *= factor ** (power // 2)
         odd *= factor ** (power % 2)
+    # squares of positive constants go before the root: the signs that regimes ask for stay short
     outside, inside = _squares(sp.factor(above[0] / below[0]))
     P = sp.Poly((inside * odd).expand().xreplace(back), x)
     return MomentumCurve(
@@ -168,6 +171,7 @@ def _squares(content: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
                 for prime, power in sp.factorint(part).items():
                     outside *= sp.Integer(prime) ** (exponent * (power // 2))
                     inside *= sp.Integer(prime) ** (exponent * (power % 2))
+            # the sign stays within: P > 0 where the motion is
             inside *= sp.sign(factor)
             continue
         base, power = factor.as_base_exp()

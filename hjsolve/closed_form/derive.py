@@ -41,8 +41,10 @@ def forms_of_solution(context: FormContext, known: Sequence[RegimeForms] = ()) -
         for sample in samples(solution, count, _SEED, special):
             if len(found) >= MOST_REGIMES or out_of_time():
                 return _ordered(found[len(known) :])
+            # most samples fall into regimes that are known: asking costs milliseconds, deriving seconds
             if any(_alike(form, sample) for form in found):
                 continue
+            # forms of E = 0 divide by E in general
             if not special and _by_chance(special_values, sample):
                 continue
             form = form_of_sample(context, local, special, sample)
@@ -93,6 +95,7 @@ def form_of_sample(
     for name in context.solution.momentum_squared:
         own = _piece(context, name, local[name], special, sample)
         if own is None:
+            # a curve, and still no piece: the motion is asymptotic there, and no other coordinate matters
             if local[name]:
                 return None
             continue
@@ -149,6 +152,7 @@ def _piece(
         return None
     held = list(made.integrals | made.cycles)
     try:
+        # never shown unverified: what runs out of time is refused as what is wrong is
         made.refuse(flaws(made, held, context.digits))
     except OutOfTimeError as error:
         made.refuse(dict.fromkeys(held, f"not verified: {error}"))

@@ -114,6 +114,7 @@ class RootsOfPolynomial:
         with np.errstate(all="ignore"):
             gaps = np.diff(np.where(np.isfinite(roots.roots), roots.roots, np.nan), axis=0)
             widest = np.max(abs(np.where(np.isfinite(roots.roots), roots.roots, 0.0)), axis=0)
+            # ``regions`` calls roots as near the same: twice that, and it must be asked
             close = (gaps <= 2 * _SPARE * widest).any(axis=0)
             few = abs(found[0][0].high) <= 2 * _SPARE * size
         leading = np.asarray(found[0][0].high)
@@ -177,6 +178,7 @@ class CurveForArrays:
             if there:
                 rest = sp.quo(rest, sp.Poly(x - end, x))
             at_ends.append(there)
+        # P is a number by its ends alone: (1 − x²) c
         if rest.degree() == 0:
             rest = sp.Poly(rest.LC() * (x**2 + 1), x)  # like a constant it has no real root, and its sign
         return rest, (at_ends[0], at_ends[1])
@@ -184,8 +186,15 @@ class CurveForArrays:
     @cached_property
     def roots(self) -> RootsOfPolynomial | None:
         """Of what is left; None where the coordinate may come to rest between them, which is not looked for."""
-        rests = sp.numer(sp.together(self.curve.square)).has(self.curve.x)
-        return None if rests else roots_of(self.without_ends[0])
+        # at a zero of S within the domain the momentum vanishes though P does not: 50 digits look for such places
+        _, factors = sp.factor_list(sp.numer(sp.together(self.curve.square)), self.curve.x)
+        return None if any(self._vanishes(f) for f, _ in factors) else roots_of(self.without_ends[0])
+
+    def _vanishes(self, factor: sp.Expr) -> bool:
+        """Return whether a factor of S may be zero within the domain: 1 + tan² of half an angle never is."""
+        s, own = self.curve.substitution, sp.Poly(factor, self.curve.x)
+        ends = () if s.closed else (s.lower, s.upper)
+        return bool(own.free_symbols_in_domain) or any(root not in ends for root in sp.real_roots(own))
 
     @cached_property
     def ends(self) -> FormulasForArrays | None:
@@ -266,6 +275,7 @@ class RootsInDomain:
         not_above, last_doubt = self._count_below(*self.ends[1])
         count, inside = np.isfinite(self.roots.roots).sum(axis=0), not_above - below
         first, total = below + self.at_ends[0], count + self.at_ends[0] + self.at_ends[1]
+        # roots are numbered as in ``regions``: those at the ends for all constants count
         start = region.lower[1] if region.lower[0] == "root" else first - 1
         stop = region.upper[1] if region.upper[0] == "root" else first + inside
         exists = (total == len(region.roots)) & (stop == start + 1)
@@ -296,6 +306,7 @@ class RootsInDomain:
         """
         (q, _), (x, x_off), *within = place
         tolerance = _TOLERANCE * (1 + abs(np.asarray(q.high)))
+        # the tolerance of q, in x
         wide = tolerance * (1 + abs(x.high))
         (begin, begin_off), (stop, stop_off) = self._side(region.lower, 0), self._side(region.upper, 1)
         distances = [(np.asarray(w.high), off, tolerance) for w, off in within]

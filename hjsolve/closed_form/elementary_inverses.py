@@ -29,11 +29,14 @@ def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, na
         names: of the quantities of the form.
     """
     A, _, C = basic.quadratic
+    # ∫ dx/((r² − x²) √P) of an even P: sin of the amount is a multiple of x/√P, solved for x
     if basic.kind == "pair":
         κ, r = basic.rate, basic.pole
+        # written by 1 − x²/r², which is known not to be zero within the motion
         level = monotone_inverse(κ * begin / (positive_root(C) * sp.sqrt(1 - begin**2 / r**2)))
         sine = sp.sin(Phase(names, amount, κ * r**2, sp.asin(level), even=False).argument)
         return sine / sp.sqrt(sp.factor(κ**2 / C) + sine**2 / r**2)
+    # u = 1/(x − r) falls where x grows
     u_0, direction = basic.variable(begin), -basic.side
     if basic.kind in _CENTRED:
         return _centred(basic, direction * amount, u_0, names)
@@ -74,6 +77,7 @@ def separatrix_inverse(
     if one.side < 0 and not outside:
         (w, one), (w_2, other) = (w_2, other), (w, one)
     low, high = required(one.place), required(other.place)
+    # (x − r₁)/(x − r₂) = −e^{…} is tanh, + e^{…} is coth: the sign is that of the place
     middle, h = sp.cancel((low + high) / 2), sp.cancel((high - low) / 2)
     function, inverse = (sp.coth, sp.acoth) if outside else (sp.tanh, sp.atanh)
     factor, start = positive_root(one.quadratic[0]) / (2 * w), inverse((begin - middle) / h)

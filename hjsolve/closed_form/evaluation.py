@@ -68,6 +68,7 @@ class Evaluator:
                     varying.add(place)
                 else:
                     slots[place] = mp.mpmathify(numbers[symbol])
+            # constant along the path: K, E and the roots of moduli are worked out once for hundreds of nodes
             elif varying.isdisjoint(operands):
                 slots[place] = _applied(rule, [slots[k] for k in operands])
             else:
@@ -114,6 +115,7 @@ class Evaluator:
         if exponent.is_Integer:
             return self._emit(_integer_power(int(exponent)), line(base))
         if exponent.is_Rational and exponent.q == 2:
+            # √ and a whole power: mp.power goes through exp and log
             root = self._emit(mp.sqrt, line(base))
             return root if exponent.p == 1 else self._emit(_integer_power(int(exponent.p)), root)
         return self._emit(mp.power, line(base), line(exponent))

@@ -349,6 +349,12 @@ def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> WhyNot:
     return proof if proof.holds() else NotFound(f"t({own.name}) holds several logarithms, and was not solved")
 
 
+def _value(place: sp.Expr, names: NamedQuantities, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
+    """Return a place by the numbers of its names; written out where a name holds what drops out of the whole."""
+    known = names.at(place, numbers)
+    return value_at(place, known) if place.free_symbols <= known.keys() else value_at(names.written_out(place), numbers)
+
+
 def verified_inverse(
     own: CoordinateIntegrals, integral: PieceIntegral, place: sp.Expr, value: sp.Expr, start: sp.Symbol,
     names: NamedQuantities, others: Numbers | None,
@@ -368,7 +374,6 @@ def verified_inverse(
         NoFormError: it does not.
     """
     check_time()
-    explicit = names.written_out(place)
     q = integral.curve.coordinate.symbol
     stop = nearby(own, integral)
     with mp.workdps(_DIGITS + 20):
@@ -383,7 +388,7 @@ def verified_inverse(
         unknown, offset = free[0], value_at(value, numbers)
         # the value is linear in each of t and the β, so one step of Newton's rule is exact
         numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
-        got = value_at(explicit, numbers)
+        got = _value(place, names, numbers)
         if not abs(got - target) <= (abs(target) + mp.mpf(10) ** -5) * mp.mpf(10) ** -_DIGITS:
             raise NoFormError(f"not verified: the inverse gives {mp.nstr(got, 15)} for {mp.nstr(target, 15)}")
         # a turn later an arc function would be back at its first value, am u goes on
@@ -391,7 +396,7 @@ def verified_inverse(
             numbers[unknown] += value_at(integral.cycle, numbers) / value_at(sp.diff(value, unknown), numbers)
             turn = value_at(integral.curve.substitution.turn, numbers)
             # the angle itself, or the angle and a whole turn
-            turned = mp.sin((value_at(explicit, numbers) - target) * mp.pi / turn)
+            turned = mp.sin((_value(place, names, numbers) - target) * mp.pi / turn)
             if not abs(turned) <= mp.mpf(10) ** -_DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
     return place

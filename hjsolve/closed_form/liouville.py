@@ -51,6 +51,7 @@ class NotElementary(WhyNot):
     def at_random(self) -> tuple[sp.Expr, tuple[sp.Expr, ...]]:
         """Return p² and the N at rational constants that nobody chose."""
         held = set().union(*(e.free_symbols for e in (self.square, *self.numerators))) - {self.q}
+        # constants that somebody chose may satisfy by chance what others do not
         values = {s: sp.Rational(17 + 12 * k + k * k, 10 + 7 * k) for k, s in enumerate(sorted(held, key=str))}
         square, *numerators = (_with_plain_constants(e, self.q, values) for e in (self.square, *self.numerators))
         return square, tuple(numerators)
@@ -81,8 +82,10 @@ class LinearBesideRational(NotElementary):
         )
         if slope is None or rate is None or factor is None or None in given or 0 in (slope, *given):
             return False
+        # without a residue ℓ would be rational in w itself, and p² with it
         if not _has_residue(sp.cancel(slope / rate), w):
             return False
+        # A is not a square: no odd power of p is left of v₀
         root = _root_of_square(factor, w)
         return root is None or all(sp.cancel(sp.diff(sp.cancel(N / (root * slope)), w)) != 0 for N in given)
 
@@ -112,10 +115,12 @@ class NoRationalSolution(NotElementary):
     def _of(self, N: sp.Expr | None, terms: dict[int, sp.Expr], slope: sp.Expr) -> bool:
         """Whether ∫ N dq/p, or ∫ p dq, is not elementary: by the lowest power, by the next, or by the highest two."""
         powers = sorted(terms)
+        # expansions at θ = 0 and at θ = ∞: one obstruction is enough, and two terms of √ are rational in R₀ and R₁
         for first, second in ((powers[0], powers[1]), (powers[-1], powers[-2])):
             R, ratio = terms[first], terms[second] / terms[first]
             leading, half = (R, sp.Rational(1, 2)) if N is None else (N, -sp.Rational(1, 2))
             for s, c in ((half * first, leading), (half * first + second - first, half * leading * ratio)):
+                # of θ⁰ a logarithm may come in (Σ cᵢ log vᵢ): it proves nothing
                 if s != 0 and not self._solvable(s * slope, c, R):
                     return True
         return False
@@ -196,6 +201,7 @@ def _variable(square: sp.Expr, q: sp.Symbol) -> sp.Expr | None:
     rates = {sp.diff(f.args[0], q) for f in waves | growing if f.has(q)}
     if not rates:
         return q
+    # incommensurable rates need two exponentials, of which no case above speaks
     if any(not r.is_Rational or r == 0 for r in rates):
         return None
     return sp.exp((sp.I if waves else 1) * sp.gcd_list([abs(r) for r in rates]) * q)
@@ -235,6 +241,7 @@ def _has_residue(f: sp.Expr, w: sp.Symbol) -> bool:
     """Return whether a rational function is not the derivative of one: Hermite's reduction leaves simple poles."""
     from sympy.integrals.rationaltools import ratint_ratpart
 
+    # the polynomial part is a derivative anyway
     top, bottom = (sp.Poly(part, w) for part in sp.fraction(f))
     _, rest = sp.div(top, bottom)
     return not rest.is_zero and sp.cancel(ratint_ratpart(rest, bottom, w)[1]) != 0

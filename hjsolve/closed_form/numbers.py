@@ -49,6 +49,7 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
     refuse_places(form, exact)
+    # roots and constants to twice the digits: what differs between both evaluations is lost by the form alone
     working = 2 * (digits + _GUARD)
     table = many_digits(exact, working) | root_values(form, exact, working, expression.free_symbols)
     with mp.workdps(digits + _GUARD):
@@ -57,9 +58,11 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
         far = number_of(expression, table)
         if not mp.isfinite(far) or not mp.isfinite(near):
             raise InvalidInputError(f"{name} is infinite there")
+        # √P² of a place that is never reached is imaginary; its rounding is not
         if abs(mp.im(far)) > abs(far) * mp.mpf(10) ** -digits:
             raise InvalidInputError(f"{name} has no real value there: the place is not one the motion reaches")
         again = mp.re(far)
+        # the finer value has all the digits of the coarser one, so that their difference is the coarser one's error
         lost = 2 * abs(mp.re(near) - again)
     if digits <= _FLOAT_DIGITS:
         return Estimate(float(again), float(lost) + abs(float(again)) * EPS)
@@ -150,6 +153,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
             )
         exact[needed[name]] = read_number(value, source=name)
     for constant, meaning in form.regime.special.items():
+        # of E = 0 nobody should have to say that E is 0
         if constant not in exact:
             exact[constant] = meaning.xreplace(exact)
     missing = [name for name, symbol in needed.items() if symbol not in exact]
@@ -180,6 +184,7 @@ def root_values(
                 polynomial, index = meaning
                 known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
+                # names of pairs of conjugate roots are real; the rounding of a square root of a negative number is not
                 known[symbol] = mp.re(number_of(meaning, known))
     return {symbol: known[symbol] for symbol in where if symbol in known}
 

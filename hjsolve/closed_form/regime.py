@@ -52,6 +52,7 @@ class Regime(Shown):
         at = Signs(values, mp.mpf(0))
         for constant, expression in self.special.items():
             meant = at.number(expression)
+            # exact constants agree in all 50 digits; 30 leave room for irrational ones
             if abs(at.number(constant) - meant) > (1 + abs(meant)) * mp.mpf(10) ** -30:
                 return False
         return at.agree(self.conditions) and all(
@@ -78,6 +79,7 @@ def described_regime(
         relation = plain_relation(expression, sign)
         if relation is not None and relation not in relations:
             relations.append(relation)
+    # E > 0 says E ≠ 0 already
     signed = {f for r in relations if _side(r) and r.rhs == 0 for f in (r.lhs, *sp.Mul.make_args(r.lhs))}
     relations = _without_known_signs([r for r in relations if not (isinstance(r, sp.Ne) and r.lhs in signed)])
     what = [f"{name}: {kind}" for name, kind in kinds.items()] or ["every motion"]
@@ -210,6 +212,7 @@ def sign_is_fixed(relations: Iterable[sp.Basic], expression: sp.Expr) -> bool:
         relations: that hold.
         expression: of parameters and constants.
     """
+    # a sign is a vector over the field of two elements, a product of factors the sum of their vectors
     echelon = dict[sp.Expr, frozenset[sp.Expr]]()
     for row in (_open_factors(r.lhs - r.rhs) for r in relations if _side(r)):
         if left := _without(row, echelon):

@@ -113,6 +113,7 @@ def _coefficients(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tuple[m
 @lru_cache(maxsize=4096)
 def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[mpmath.mpf, ...], bool]:
     """Return the real roots of a polynomial, ascending, and whether two roots are the same."""
+    # √ of a negative parameter: there is no such motion, and nothing may be said of its roots
     if any(isinstance(c, mp.mpc) or not mp.isfinite(c) for c in coefficients):
         return (), True
     with mp.workdps(digits):
@@ -123,6 +124,7 @@ def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[
         if len(coefficients) - first < 2:
             return (), False
         roots = _complex_roots(coefficients[first:], digits)
+        # x is in the user's units: what is the same is measured by the largest root
         scale = max(abs(r) for r in roots) or mp.mpf(1)
         double = any(abs(a - b) < scale * _SAME for k, a in enumerate(roots) for b in roots[:k])
         return tuple(sorted(r.real for r in roots if abs(r.imag) <= scale * _SAME)), double
@@ -144,6 +146,7 @@ def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mp
             value, slope = mp.polyval(coefficients, z, derivative=True)
             step = value / slope if slope else mp.mpf(1)
             z -= step
+            # Newton's rule doubles digits: the next step would be rounding
             if abs(step) <= abs(z) * mp.mpf(10) ** (4 - digits) or value == 0:
                 break
         else:
@@ -283,6 +286,7 @@ def region_exists(curve: MomentumCurve, like: RootInterval, numbers: Numbers) ->
         if any(side[0] != "end" and side not in marks for side in (like.lower, like.upper)):
             return False
         start, stop = marks.get(like.lower, low), marks.get(like.upper, high)
+        # another root between the same two numbers of roots: the motion turns back there
         if any(start < value < stop for value in marks.values()):
             return False
         return bool(_value(curve, _between(start, stop), numbers) > 0)

@@ -99,8 +99,10 @@ class _Trial:
         self.curve = curve = self.integrals[0].curve
         self.region = next(r for c, r in piece.regions if c is curve)
         q, self.numbers = curve.coordinate.symbol, sample_numbers(piece, digits + GUARD)
+        # p² in the user's q, not P(x): a wrong change of variable shows
         bare = Evaluator([curve.substitution_square, *(i.numerator for i in self.integrals)])
         self.bare = bare.along(self.numbers, q)
+        # slopes by the chain rule on the same lines: no step of a difference quotient limits their digits
         self.forms = Evaluator([i.value for i in self.integrals], q).along(self.numbers, q)
 
     def integrands(self, place: mpmath.mpf) -> list[mpmath.mpf]:
@@ -125,9 +127,11 @@ class _Trial:
         found = dict[sp.Symbol, Compared]()
         integrands = [self.integrands(place) for place in places]
         forms = [self.forms(place) for place in places]
+        # all integrals at once: they have the nodes, and the root of p² there, in common
         expected = self._between(places[0], places[2], self.integrands)
         for k in wanted:
             key, size = self.keys[k], max(abs(values[k]) for values in integrands)
+            # slopes see single places; values, below, see jumps of a branch between them
             slopes = [values[len(self.keys) + k] for values in forms]
             off = max(self._difference(s, f[k], size) for s, f in zip(slopes, integrands, strict=True))
             if off > 1:
@@ -164,6 +168,7 @@ class _Trial:
             sizes: what errors are measured by; None for each part's own value.
         """
         nodes = _RULE.get_nodes(-1, 1, _NODES, mp.prec)
+        # two digits to spare for what halving adds up
         tiny = mp.mpf(10) ** (-self.digits - 2)
 
         def whole(a: mpmath.mpf, b: mpmath.mpf) -> list[mpmath.mpf]:
@@ -209,6 +214,7 @@ class _Trial:
             sides = (self.region.lower, self.region.upper)
             roots = ordered_real_roots(self.curve.polynomial, self.numbers, mp.dps)
             low, high = sorted(_place(self.integrals[0], roots[index], self.numbers) for _, index in sides)
+            # q = m − h cos χ: dq/p is analytic and periodic in χ, as p ~ sin χ at both ends
             middle, half = (low + high) / 2, (high - low) / 2
 
         def terms(χ: mpmath.mpf) -> list[mpmath.mpf]:
@@ -224,14 +230,18 @@ class _Trial:
             check_time()
             sixth = step / 3
             rows += [terms(turn * (k + part) / count) for k in range(count) for part in (sixth, 5 * sixth)]
+            # the nodes of a third of the spacing hold the old ones: nothing is worked out twice
             count, former = 3 * count, sums
             sums = _sums(rows, turn / count)
+            # convergence is geometric: what n nodes know to 22 digits, 3n know to 66
             half_known = mp.mpf(10) ** (-self.digits // 2 - 2)
             if all(abs(a[0] - b[0]) <= a[1] * half_known for a, b in zip(sums, former, strict=True)):
                 break
         else:
+            # by ∮ |N| dq/p and not by its own value: a cycle of W's derivative may be zero
             sizes = [size for _, size in sums]
             sums = list(zip(self._between(mp.mpf(0), turn, terms, sizes), sizes, strict=True))
+        # there and back
         return sums if whole else [(2 * value, 2 * size) for value, size in sums]
 
 

@@ -169,3 +169,34 @@ def test_stars_in_cartesian_coordinates_that_run_away_are_proved_to_in_the_batch
         for name, action in motion.actions.items():
             off = abs(float(batch.actions[name][i]) - float(action.value))
             assert off <= batch.error["actions"][name][i] + 1e-16 * abs(float(action.value)), name
+
+
+def test_actions_next_to_an_escape_from_far_out():
+    """E and α₂ cancel to 1e-7 of themselves: their rounding moved J by 1e-10, and no claim counted it.
+
+    J by a quadrature of 50 digits between the roots of p².
+    """
+    q = {"u": [-0.6438002192110047, -0.5779546385342301], "v": [-133.68728028569004, -47.73514718451622]}
+    p = {"u": [0.008053983491553505, 0.002103371671492781], "v": [0.0005727049344845503, 0.002675810723290351]}
+    want = {"actions", "frequencies", "turning_points"}
+    batch = hjsolve.ensemble("henon-heiles-separable", q=q, p=p, parameters={"c": 1}, want=want, fallback=False)
+    right = [0.092285408406135449933, 0.084393558333330603840]
+    off = np.abs(batch.columns["actions.u"] - right)
+    assert (batch.columns["status"] == Status.UNBOUNDED).all()
+    assert (off <= batch.columns["error.actions.u"]).all()
+    assert (batch.columns["error.actions.u"] < 1e-15).all()
+
+
+def test_actions_next_to_an_escape_by_chords():
+    """Turning points in doubles move J of a cone by 5e-14: without kernels a bound left that out, or took its half.
+
+    J by a quadrature of 40 digits in χ, cos θ = m − h cos χ.
+    """
+    q = {"r": [0.07648261295911948], "theta": [1.0641092094265658], "phi": [2.6776325192274255]}
+    p = {"r": [0.17426062992990962], "theta": [1.8328028690011584], "phi": [0.001051615480108558]}
+    parameters = {"m": 1.820294032006757, "g": 0.9988576838536654}
+    want = {"actions", "frequencies"}
+    batch = hjsolve.ensemble("charge-in-monopole-field", q=q, p=p, parameters=parameters, want=want, fallback=False)
+    off = np.abs(batch.columns["actions.theta"] - 1.169372759787573958615677)
+    assert (off <= batch.columns["error.actions.theta"]).all()
+    assert (batch.columns["error.actions.theta"] < 1e-14).all()

@@ -153,10 +153,11 @@ def run_escapes(model: Model, programs: SystemPrograms, names: Names, starts: St
     left = np.ones(count, dtype=bool)
     endless = np.zeros((len(model.separated), count), dtype=bool)
     sums: list[Sums] = []
-    directions, modes = np.ones(endless.shape), modes_of({})
+    # kernels wherever programs have them: without, nothing counts what constants and turning points do to chords
+    directions, modes = np.ones(endless.shape), modes_of(names)._replace(oscillations=False)
     for k, coordinate in enumerate(model.separated):
         one = CoordinateOfOrbits.of(model, programs, start, k)
-        total, found, round_ = integrated(one, modes, exact=False, places="turning_points" in names)
+        total, found, round_ = integrated(one, modes, exact=True, places="turning_points" in names)
         directions[k, round_] = np.sign(start.P[k, round_])
         # where p is shifted, or p² repeats itself along a line, a coordinate may go round for ever: that is left to
         # single motions
