@@ -46,8 +46,6 @@ _CHUNK, _LEAST_CHUNK = 32768, 8192
 """Orbits that one thread treats at a time: half of them, for two threads, but not fewer than the second number."""
 _LEFT_OVER = 20
 """The last of so many orbits start again together with others."""
-_LAST_LEFT_OVER = 1000
-"""The last of so many orbits are left to single motions."""
 _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
 _NEAR_UNIT = 2.0**8
@@ -305,8 +303,8 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
             break
         rounds = ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON
         pool = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, good]) if len(good) else seeds
-        begin, few = start(pool, lost, again=attempt == _AGAIN - 1), everything.shape[1] // _LAST_LEFT_OVER
-        solved.put(lost, constants_of_tori(task, begin, goals.take(lost), rounds, few=few))
+        begin = start(pool, lost, again=attempt == _AGAIN - 1)
+        solved.put(lost, constants_of_tori(task, begin, goals.take(lost), rounds))
     return solved
 
 
