@@ -350,7 +350,7 @@ def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> WhyNot:
 
 
 def _value(place: sp.Expr, names: NamedQuantities, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
-    """Return a place by the numbers of its names; written out where a name holds what drops out of the whole."""
+    """Return a place from the values of its names; written out where a name holds what drops out of the whole."""
     known = names.at(place, numbers)
     return value_at(place, known) if place.free_symbols <= known.keys() else value_at(names.written_out(place), numbers)
 

@@ -24,7 +24,7 @@ from hjsolve.ensembles.engine.lowered_solution import Model, Separated, lowered_
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, model_in_units, rounded_exponents
-from hjsolve.ensembles.to_states.narrow_librations import narrow_librations
+from hjsolve.ensembles.to_states.narrow_tori import narrow_librations
 from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Asked, Solved, constants_of_tori
 from hjsolve.ensembles.to_states.other_wells import in_the_wells_meant
 from hjsolve.ensembles.to_states.places_on_tori import frames_of

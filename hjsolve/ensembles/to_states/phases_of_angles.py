@@ -12,7 +12,7 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, matrix_of
 from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, phases_along, series_of
-from hjsolve.ensembles.to_states.narrow_librations import narrow_ones
+from hjsolve.ensembles.to_states.narrow_tori import narrow_ones
 from hjsolve.ensembles.to_states.places_on_tori import Frames, Placed, blurred, placed
 from hjsolve.ensembles.to_states.short_arcs import (
     PROVED,

@@ -22,7 +22,7 @@ from hjsolve.ensembles.engine.kernels.types import Modes
 from hjsolve.ensembles.engine.pairs_of_turning_points import in_two_doubles
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import sides
-from hjsolve.ensembles.to_states.narrow_librations import narrow_at, narrow_ones, turning_points
+from hjsolve.ensembles.to_states.narrow_tori import narrow_at, narrow_ones, turning_points
 from hjsolve.ensembles.to_states.tori import AngleTask, Tori, coordinate_at, kernels, summits
 
 _PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False, approximate=True)

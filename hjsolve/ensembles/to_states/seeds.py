@@ -147,11 +147,8 @@ def nearest_apart(seeds: Reals, wanted: Reals, there: Reals, here: Reals, count:
     axes = np.argsort(-np.ptp(points, axis=1), kind="stable") if points.shape[1] else np.arange(len(points))
     order = np.argsort(points[axes[0]], kind="stable")
     found, squares = np.empty((count, places.shape[1]), dtype=np.int64), np.empty((count, places.shape[1]))
-    rows = (
-        np.ascontiguousarray(x)
-        for x in (points[axes][:, order], places[axes], there[:, order] if len(there) else there, here)
-    )
-    nearest_points(*rows, found, squares)
+    own, others = (np.ascontiguousarray(x) for x in (points[axes][:, order], places[axes]))
+    nearest_points(own, others, np.ascontiguousarray(wells), np.ascontiguousarray(here), found, squares)
     return np.where(found < 0, -1, order[found]), squares
 
 

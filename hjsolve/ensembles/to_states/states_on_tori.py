@@ -17,7 +17,7 @@ from hjsolve.ensembles.engine.coordinate_of_orbits import place
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
 from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, angles_along, followed, followed_at
-from hjsolve.ensembles.to_states.narrow_librations import narrow_librations, narrow_ones, turning_points
+from hjsolve.ensembles.to_states.narrow_tori import narrow_librations, narrow_ones, turning_points
 from hjsolve.ensembles.to_states.phases_of_angles import SETTLED, SMALL, phases_of
 from hjsolve.ensembles.to_states.places_on_tori import Frames, Placed, blurred, placed, refined, width_of
 from hjsolve.ensembles.to_states.short_arcs import FINE, Passages, ShortArcs, angles_by_arcs, inverses, times, wrapped
