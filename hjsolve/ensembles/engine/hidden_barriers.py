@@ -42,6 +42,8 @@ def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, R
             # not at the ends: start and turning point have F ≥ 0 but for rounding
             negative = seen.reshape(trials.shape)[:, 1:-1] < 0
             behind = np.flatnonzero(negative.any(axis=1))
+            if not len(behind):
+                continue
             # the first one from the start: what lies beyond it is another well
             first = np.argmax(negative[behind], axis=1) + 1
             bracket = trials[behind, first - 1], trials[behind, first]
