@@ -62,7 +62,7 @@ nitpick_ignore_regex = [
     # protocols of numbers, texts of captions, and what only hjsolve itself reads of a result
     ("py:class", r"hjsolve\.(arithmetic\..*|reports\.document\.blocks|one_coordinate\..*)\.\w+"),
     ("py:class", r"hjsolve\.(scenes\.(question|resting_contact|events)|ensembles\.orbit_columns)\.\w+"),
-    ("py:class", r"hjsolve\.(motion\.in_units|extended\.quadratic_flow)\.\w+"),
+    ("py:class", r"hjsolve\.(motion\.in_units|extended\.(quadratic_flow|ends_of_domains))\.\w+"),
     ("py:class", r"hjsolve\.(scenes\.results\.Choice|mechanics\.quantities_given\.Measures)"),
 ]
 napoleon_google_docstring, napoleon_numpy_docstring = True, False
