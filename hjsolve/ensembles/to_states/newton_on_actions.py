@@ -209,12 +209,7 @@ def constants_of_tori(
             whole[..., here] = part[..., better]
         merit[here], left[:, here] = own[better], np.abs(residual[:, better])
         step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
-        worse, whole_ = active[~better], active[better & (fraction[active] >= _SHORT_OF)]
-        tried = (fraction[worse] < _SHORT) & (fraction[worse] > _SHORT * _SHORT)
-        beyond[worse] += np.where(tried, 1 / merit[worse], 0.0)
-        beyond[whole_] = 0
-        fraction[here] = 1.0
-        fraction[worse] = np.where(fraction[worse] == 1.0, _SHORT_OF, np.minimum(0.5, 0.5 * fraction[worse]))
+        _shortened(fraction, beyond, merit, (here, active[~better]))
         done[active[finished | settled | last]] = True
         _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
         _refined(how, merit, active, (fraction, own, after), DOUBLES if rough else EXACT)
@@ -226,6 +221,16 @@ def constants_of_tori(
     harmonic = best.harmonic & (goals.actions > unknown_of(best.slopes, base.values))
     finite = done & best.good & ~harmonic.any(axis=0)
     return Solved(base, best, finite)
+
+
+def _shortened(fraction: Reals, beyond: Reals, merit: Reals, which: tuple[Integers, Integers]) -> None:
+    """Choose the fraction of the next steps, and count short ones in vain until a whole one helps."""
+    better, worse = which
+    tried = (fraction[worse] < _SHORT) & (fraction[worse] > _SHORT * _SHORT)
+    beyond[worse] += np.where(tried, 1 / merit[worse], 0.0)
+    beyond[better[fraction[better] >= _SHORT_OF]] = 0
+    fraction[better] = 1.0
+    fraction[worse] = np.where(fraction[worse] == 1.0, _SHORT_OF, np.minimum(0.5, 0.5 * fraction[worse]))
 
 
 def _stepped(base: Tori, best: Actions, goals: Goals, known: tuple[Integers, Reals, Reals]) -> None:

@@ -148,14 +148,8 @@ def nearest_apart(seeds: Reals, wanted: Reals, there: Reals, here: Reals, count:
     order = np.argsort(points[axes[0]], kind="stable")
     found, squares = np.empty((count, places.shape[1]), dtype=np.int64), np.empty((count, places.shape[1]))
     own, others = (np.ascontiguousarray(x) for x in (points[axes][:, order], places[axes]))
-    nearest_points(
-        own,
-        others,
-        np.ascontiguousarray(there[:, order] if len(there) else there),
-        np.ascontiguousarray(here),
-        found,
-        squares,
-    )
+    wells = [np.ascontiguousarray(x) for x in (there[:, order] if len(there) else there, here)]
+    nearest_points(own, others, wells[0], wells[1], found, squares)
     return np.where(found < 0, -1, order[found]), squares
 
 
