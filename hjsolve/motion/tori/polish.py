@@ -136,8 +136,7 @@ def polished(goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate) 
     for _ in range(_NEWTON_STEPS):
         if trial is None:
             break
-        size = max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True))
-        if size <= 1 and trial.torus is not None:
+        if _relative(trial, allowed) <= 1 and trial.torus is not None:
             return trial.torus
         matrix = context.matrix([[row[j] for j in unknown] for row in trial.slopes])
         try:
@@ -183,17 +182,31 @@ def _damped(
     goal: Goal, curves: Sequence[RadicandCurve], move: tuple[list[Mpf], list[int], Sequence[Mpf]], before: _Trial,
     about: tuple[Sequence[str], list[Mpf], list[Mpf], int],
 ) -> tuple[_Trial | None, list[Mpf]]:  # fmt: skip
-    """Return the torus after the longest fraction of a step that makes the residual less."""
+    """Return the torus after the longest fraction of a step that makes the residual less.
+
+    The residual is the largest one, or the largest one over what its action allows. The second one alone refuses good
+    steps towards a small action: after a step J is off by the square of *all* residuals before, and next to an action
+    of 10⁻²⁴ of the others that is much more than it was.
+    """
     (κ, unknown, step), (kinds, goals, allowed, bits) = move, about
-    old = max(abs(r) / a for r, a in zip(before.residuals, allowed, strict=True))
     for fraction in _FRACTIONS:
         moved = _moved(κ, unknown, step, fraction)
         trial = _tried(goal, curves, moved, before.tops, kinds, goals, bits)
-        if trial is not None and max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True)) < max(
-            _FALLS * old, 1
-        ):
+        if trial is None:
+            continue
+        falls = _largest(trial.residuals) < _FALLS * _largest(before.residuals)
+        if falls or _relative(trial, allowed) < max(_FALLS * _relative(before, allowed), 1):
             return trial, moved
     return None, κ
+
+
+def _largest(residuals: Sequence[Mpf]) -> Mpf:
+    return max(abs(r) for r in residuals)
+
+
+def _relative(trial: _Trial, allowed: Sequence[Mpf]) -> Mpf:
+    """Return the largest residual over what its action allows."""
+    return max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True))
 
 
 def _tried(
