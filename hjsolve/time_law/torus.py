@@ -25,7 +25,9 @@ from hjsolve.one_coordinate.fourier_series import FourierSeries, combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
 
 _NEWTON_STEPS, _SHORTENINGS, _SETTLED = 40, 12, 1e-9
-"""Steps of Newton's method, how often one is divided by four, and the residual, radians, that is small."""
+"""Steps of Newton's method, how often one is divided by four, and the step, radians, that is small."""
+_STRIDE, _LONGEST_STRIDE, _SHORTEST_STRIDE = 0.25, 0.5, 1e-7
+"""Radians of phase of the first step along a torus, and bounds on later ones: D is smooth on the scale of a radian."""
 
 
 @dataclass(frozen=True)
@@ -239,9 +241,8 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
         found[:, bad] = _follow(system, goal[:, bad])
     residual = _residual(system, goal, found)
     # δχ ≤ |J⁻¹| δθ in the largest norm of the residuals
-    inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
-    size = sum(system.oscillations[k][i].size for k in block for i in block)
-    rounding = np.max(np.abs(residual), axis=0) + 2 * EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
+    inverse = _inverse(system, found)
+    rounding = np.max(np.abs(residual), axis=0) + _rounding_of_angles(system, goal)
     rounding = rounding + np.max(np.stack([0 * rounding + error_bound for _, error_bound in others]), axis=0)
     bound = np.sum(np.abs(inverse), axis=2) * rounding[:, None]
     for row, k in enumerate(block):
@@ -249,7 +250,25 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
 
 
 def _unsolved(system: TorusEquations, goal: Reals, x: Reals) -> Mask:
-    return np.asarray(~(np.max(np.abs(_residual(system, goal, x)), axis=0) < _SETTLED))
+    """Return the times at which Newton's next step is larger than rounding leaves it.
+
+    The step, not the residual, says how far phases are from a solution: where a coordinate passes close by a centre
+    dθ/dχ may be 10⁻¹⁰, and a residual of 10⁻⁹ leaves the phase open altogether.
+    """
+    inverse = _inverse(system, x)
+    step = np.max(np.abs(_product(inverse, _residual(system, goal, x))), axis=0)
+    return np.asarray(~(step < np.maximum(_SETTLED, _open_by_rounding(system, goal, inverse))))
+
+
+def _rounding_of_angles(system: TorusEquations, goal: Reals) -> Reals:
+    """Return what rounding leaves open of the equations."""
+    size = sum(system.oscillations[k][i].size for k in system.coupled for i in system.coupled)
+    return np.asarray(2 * EPS * (np.max(np.abs(goal), axis=0) + size + np.pi))
+
+
+def _open_by_rounding(system: TorusEquations, goal: Reals, inverse: Reals) -> Reals:
+    """Return what rounding of the equations leaves open of the phases."""
+    return np.asarray(np.max(np.sum(np.abs(inverse), axis=2), axis=1) * _rounding_of_angles(system, goal))
 
 
 def _one_by_one(system: TorusEquations, goal: Reals) -> Reals:
@@ -286,12 +305,27 @@ def _jacobian(system: TorusEquations, x: Reals) -> Reals:
     )
 
 
+def _inverse(system: TorusEquations, x: Reals) -> Reals:
+    """Return dχ/dθ at phases of shape (n, m), shape (m, n, n)."""
+    return np.asarray(np.linalg.inv(_jacobian(system, x).transpose(2, 0, 1)))
+
+
+def _product(inverse: Reals, vectors: Reals) -> Reals:
+    """Return matrices of shape (m, n, n) times vectors of shape (n, m)."""
+    return np.asarray((inverse @ vectors.T[..., None])[..., 0].T)
+
+
 def _newton(system: TorusEquations, goal: Reals, x: Reals, steps: int) -> Reals:
-    """Damped Newton's method; a step is shortened until the largest residual does not grow, of each time by itself."""
+    """Damped Newton's method, of each time by itself.
+
+    A step is shortened until the next one, with the same slopes, is not longer. That does not depend on how unequal
+    the slopes are: the residual would, and next to a centre refuses good steps (natural monotonicity: P. Deuflhard,
+    Newton Methods for Nonlinear Problems, Springer 2004, chapter 3).
+    """
     residual = _residual(system, goal, x)
     for _ in range(steps):
-        jacobian = _jacobian(system, x).transpose(2, 0, 1)
-        step = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T
+        inverse = _inverse(system, x)
+        step = -_product(inverse, residual)
         size = np.max(np.abs(step), axis=0)
         # no step is longer than a radian: beyond it the linear model of D knows nothing
         step *= np.minimum(1.0, 1.0 / np.maximum(size, 1e-300))
@@ -299,9 +333,10 @@ def _newton(system: TorusEquations, goal: Reals, x: Reals, steps: int) -> Reals:
         if np.all(size < 4 * EPS * np.pi):
             return trial
         new = _residual(system, goal, trial)
+        # smaller steps are not shortened: they are rounding, and grow and fall by chance
+        least = np.maximum(_SETTLED, _open_by_rounding(system, goal, inverse))
         for _ in range(_SHORTENINGS):
-            # steps below 1e-9 are not shortened: there the residual is rounding, and grows and falls by chance
-            worse = (np.max(np.abs(new), axis=0) > np.max(np.abs(residual), axis=0)) & (size > _SETTLED)
+            worse = (np.max(np.abs(_product(inverse, new)), axis=0) > size) & (size > least)
             if not worse.any():
                 break
             step = np.where(worse, step / 4, step)
@@ -314,27 +349,30 @@ def _newton(system: TorusEquations, goal: Reals, x: Reals, steps: int) -> Reals:
 def _follow(system: TorusEquations, goal: Reals) -> Reals:
     """Walk on the torus from the start to each goal: the map is one to one, so small steps cannot fail.
 
+    Steps are as long in the phases, not in the angles: past a centre phases run by radians while angles stand still.
+
     Raises:
         NotConvergedError: the steps became too small.
     """
-    block = system.coupled
-    begin = np.array([[float(system.coordinate_motions[k].start)] for k in block])
+    begin = np.array([[float(system.coordinate_motions[k].start)] for k in system.coupled])
     # the straight line from θ at the start to the goal: every point of it is an angle of the torus
     origin = begin + sum_oscillations(system, begin)
     result = np.empty_like(goal)
     for m in range(goal.shape[1]):
-        x, done, step = begin.copy(), 0.0, 0.25
+        x, done, stride = begin.copy(), 0.0, _STRIDE
+        way = goal[:, m : m + 1] - origin
         while done < 1:
-            fraction = min(1.0, done + step)
-            target = origin + fraction * (goal[:, m : m + 1] - origin)
-            trial = _newton(system, target, x, 12)
-            if np.max(np.abs(_residual(system, target, trial))) < 1e-10:
-                # as a step control: double where it went well, a quarter where it did not
-                x, done, step = trial, fraction, 2 * step
-            elif step < 1e-6:
+            change = _product(_inverse(system, x), way)
+            step = min(1 - done, stride / max(float(np.max(np.abs(change))), 1e-300))
+            target = origin + (done + step) * way
+            trial = _newton(system, target, x + step * change, 12)
+            # as a step control: double where it went well, a quarter where it did not
+            if not _unsolved(system, target, trial)[0] and np.max(np.abs(trial - x)) < 2 * _LONGEST_STRIDE:
+                x, done, stride = trial, 1.0 if step == 1 - done else done + step, min(2 * stride, _LONGEST_STRIDE)
+            elif stride < _SHORTEST_STRIDE:
                 raise NotConvergedError("the phases of coupled coordinates could not be followed from the start")
             else:
-                step /= 4
+                stride /= 4
         result[:, m] = x[:, 0]
     return result
 

@@ -250,3 +250,29 @@ def test_double_wells_next_to_their_crest_have_their_actions(gap):
     back = solution.motion(actions={"x": motion.actions["x"].value}, q={"x": 1})
     assert float(back.constants["E"]) == pytest.approx(float(gap), rel=1e-2, abs=0)  # J in doubles knows no more
     assert abs(back.actions["x"].value - motion.actions["x"].value) <= 2e-16
+
+
+# two centres (k₁ = 1, k₂ = ½): J_ξ, J_η, p_φ, θ_ξ, θ_η. A small action was said to have no torus: after a step J_η is off
+# by the square of what J_ξ was off by. Of the second the phases were not found: it passes a centre with ∂θ/∂χ = 7e-10.
+NEXT_TO_CENTRES = [
+    ((11.016941068799339, 6.5383789614839285e-24, 0.0010072288023636033), (0.4, 1.3)),
+    ((23.883866354637266, 0.0015088643821132765, 0.0011199014957508767), (-4.297912695343918e-12, 2.820754068766745)),
+]
+
+
+@pytest.mark.parametrize(("actions", "angles"), NEXT_TO_CENTRES)
+def test_orbits_next_to_a_centre_have_their_tori(actions, angles):
+    J, θ = dict(zip(("xi", "eta", "phi"), actions, strict=True)), dict(zip(("xi", "eta"), angles, strict=True))
+    motion = hjsolve.solve("two-centres-space").motion(actions=J, angles=θ)
+    for name, asked in J.items():
+        found = motion.actions[name]
+        assert abs(found.value - asked) <= found.error + 1e-15 * asked
+    for name, asked in θ.items():
+        found = motion.angles(0)
+        assert gap(found[name], asked, angle=True) <= found.error[name] + 1e-15
+    batch = hjsolve.ensemble(
+        "two-centres-space", actions={c: [x] for c, x in J.items()}, angles=θ, want={"state"}, fallback=False
+    )
+    state = motion.at(0)
+    for name in ("xi", "eta"):
+        assert abs(batch.q[name][0] - state.q[name]) <= batch.error["q"][name][0] + state.error.q[name]
