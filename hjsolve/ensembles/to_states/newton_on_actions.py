@@ -178,7 +178,7 @@ def constants_of_tori(
     for _ in range(rounds):
         if len(active) <= few:
             break
-        found, seen = _each(task, (trial, zero, goals.rotating), (active, how[active]))
+        found, seen = _each(task, (trial, zero, goals.rotating), (active, how[active]), rough=rough)
         sure = how[active] > APPROXIMATE
         with np.errstate(all="ignore"):
             residual = goals.actions[:, active] - found.values
@@ -230,7 +230,8 @@ def _shortened(fraction: Reals, beyond: Reals, merit: Reals, which: tuple[Intege
     beyond[worse] += np.where(tried, 1 / merit[worse], 0.0)
     beyond[better[fraction[better] >= _SHORT_OF]] = 0
     fraction[better] = 1.0
-    fraction[worse] = np.where(fraction[worse] == 1.0, _SHORT_OF, np.minimum(0.5, 0.5 * fraction[worse]))
+    shorter = np.where(fraction[worse] >= _SHORT_OF, 0.5, 0.25) * fraction[worse]
+    fraction[worse] = np.where(fraction[worse] == 1.0, _SHORT_OF, shorter)
 
 
 def _stepped(base: Tori, best: Actions, goals: Goals, known: tuple[Integers, Reals, Reals]) -> None:
@@ -253,8 +254,14 @@ def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, R
     how[active[(how[active] > APPROXIMATE) & (np.fmin(own, after) < _NEARLY)]] = most
 
 
-def _each(task: AngleTask, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers]) -> tuple[Actions, Tori]:
-    """Actions of some tori, of each as it is to be worked out; of all of them the places inside."""
+def _each(
+    task: AngleTask, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers], *, rough: bool
+) -> tuple[Actions, Tori]:
+    """Actions of some tori, of each as it is to be worked out; of all of them the places inside.
+
+    Where a few digits do, few nodes are enough even next to a separatrix, between turning points that are searched for
+    and not followed: proved integrals take three times as long, and most such searches end in vain.
+    """
     (trial, zero, rotating), (active, how) = given, which
     size, n, m = len(task.model.separated), len(active), len(task.model.constants)
     found, seen = no_actions(size, m, n), trial.take(active)
@@ -271,8 +278,8 @@ def _each(task: AngleTask, given: tuple[Tori, Mask, Mask], which: tuple[Integers
     for kind in (APPROXIMATE, DOUBLES, EXACT):
         some = np.flatnonzero((how == kind) & ~next_to)
         if len(some):
-            own = active[some]
-            part, places = actions_of(*task, trial.take(own), zero[:, own], rotating[:, own], kind)
+            own, integrals = active[some], APPROXIMATE if rough else kind
+            part, places = actions_of(*task, trial.take(own), zero[:, own], rotating[:, own], integrals)
             for kept, new in zip(found, part, strict=True):
                 kept[..., some] = new
             seen.q[:, some], seen.ends[..., some] = places.q, places.ends
