@@ -14,17 +14,20 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
-from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.librating import Kept
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
+from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.places_on_tori import Frames, Placed
 from hjsolve.ensembles.to_states.short_arcs import Integrals
 from hjsolve.ensembles.to_states.tori import APPROXIMATE, EXACT, AngleTask, Tori, coordinate_at
 
 _KEPT = Kept(np.inf, 5e-13)
 """Relative errors of ∂J/∂c up to which p² in doubles does for angles; J is not looked at."""
+_MARGIN = 1e-6
+"""By what part of its width a place may lie beyond a turning point: the maximum of p² of a narrow motion is rounded."""
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
 
 
@@ -87,8 +90,10 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, how: int)
         total = no_sums(len(model.constants), n)
         moving = np.flatnonzero(~frames.resting[k])
         if len(moving):
-            part, _, _ = integrated(one.take(moving), modes, exact=how == EXACT, places=False, kept=_KEPT)
+            some = one.take(moving)
+            part, seen, _ = integrated(some, modes, exact=how == EXACT, places=False, kept=_KEPT)
             total.put(moving, part)
+            good[moving] &= _around(some, seen.offsets, tori.q[k, moving])
         still = np.flatnonzero(frames.resting[k])
         if len(still):
             total.put(still, _resting_sums(one.take(still), at.rates[k][:, still]))
@@ -115,6 +120,18 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, how: int)
         separated, np.stack([row[1] for row in rows]), np.stack([x for x, _ in others]) if others else empty,
         np.stack([e for _, e in others]) if others else empty, inverse, _integrals(sums), good,
     )  # fmt: skip
+
+
+def _around(one: CoordinateOfOrbits, ends: Reals, places: Reals) -> Mask:
+    """Return whether places lie between the turning points of states, as far as these are known: in the same well.
+
+    Args:
+        ends: offsets of the turning points, shape (2, n); NaN where a coordinate goes round, or they are not known.
+    """
+    low, high = (place(formula, x) for formula, x in zip(sides(one.coordinate), ends, strict=True))
+    with np.errstate(invalid="ignore"):
+        margin = _MARGIN * (high - low)
+        return np.asarray(~((places < low - margin) | (places > high + margin)))
 
 
 def _integrals(sums: list[Sums]) -> Integrals:

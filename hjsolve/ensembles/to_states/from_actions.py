@@ -162,7 +162,9 @@ def _in_their_own_units(task: InverseTask, found: FoundStates, left: Integers) -
         with shared_libraries:
             units = units_of_tori(task.solution, model, int(action))
         actions, angles = np.ldexp(task.actions[:, index], -units.action), task.angles[:, index]
-        one = replace(task, actions=actions, angles=angles)
+        lengths_of = dict(zip(model.names, units.places, strict=True))
+        wells = {name: np.ldexp(places[index], -lengths_of[name]) for name, places in task.wells.items()}
+        one = replace(task, actions=actions, angles=angles, wells=wells)
         part, everything = _none(one), np.arange(len(index))
         lengths = [units.places[c.index] for c in model.separated]
         near = [_near_one(scale) if e else scale for scale, e in zip(scales, lengths, strict=True)]
@@ -304,6 +306,10 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
         rounds = ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON
         pool = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, good]) if len(good) else seeds
         begin = start(pool, lost, again=attempt == _AGAIN - 1)
+        if rounds == SOON:  # many of them have no torus: a few digits of the constants tell at a third of the price
+            roughly = constants_of_tori(task, begin, goals.take(lost), rounds, rough=True)
+            met = np.flatnonzero(roughly.good)
+            lost, begin = lost[met], (roughly.tori.take(met), np.zeros_like(begin[1][:, met]))
         solved.put(lost, constants_of_tori(task, begin, goals.take(lost), rounds))
     return solved
 

@@ -25,11 +25,13 @@ from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.narrow_tori import narrow_at, narrow_ones, turning_points
 from hjsolve.ensembles.to_states.tori import AngleTask, Tori, coordinate_at, kernels, summits
 
-_PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False, approximate=True)
+_PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False)
 _PAIR_STEPS = 4
 """Steps of Newton's method for turning points in two doubles."""
 _KNOWN, _SURE = 1e-7, 1e-12
 """Last step of a turning point, over the width, with which it is known on the way to a torus, and on it."""
+_NEXT_TO = 0.01
+"""How far, over the width, a turning point may lie from that of the last torus on the way and be taken for its own."""
 _TURNING, NEXT = 1e-60, 1e-17
 """Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W and over F′/½F″, below which F
 is linear."""
@@ -129,6 +131,8 @@ def frames_of(
             place(formula, bases[k, 2 * side, some]) for side, formula in enumerate(sides(task.model.separated[k]))
         )
         known &= (lower <= own.q[k]) & (own.q[k] <= upper)
+        # next to a separatrix a step may go over the barrier, to the far end of another well
+        known &= (np.abs(bases[k][::2, some] - own.ends[k][::2]) <= _NEXT_TO * widths[k, some]).all(axis=0)
         left = some[~known]
         if len(left):
             own = tori.take(left)

@@ -9,7 +9,7 @@ import numpy as np
 
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.coordinate_of_orbits import offset
+from hjsolve.ensembles.engine.coordinate_of_orbits import offset, place
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 from hjsolve.ensembles.to_states.newton_on_actions import Solved
@@ -21,6 +21,9 @@ _SAME = 1e-6
 """How far apart, over the size of all actions, constants of one torus may be: what Newton's method leaves, and more."""
 _MARGIN = 1e-9
 """By what part of itself a place may lie beyond a turning point, as for single motions."""
+_BESIDE_ENDS = 0.02
+"""By what part of its width the well of a torus may reach beyond its turning points, which are those of a torus next to
+it on the way."""
 _WELLS = 4
 """How many other wells of one coordinate are looked at."""
 
@@ -103,15 +106,27 @@ class Landscape(NamedTuple):
         given[0], given[1:] = offset(formula, grid), tori.values[:, :, None]
         with np.errstate(all="ignore"):
             F, slope, *_ = run_rows(code, self.programs.parameters, given.reshape(len(given), -1))
-        beyond, places = ~(F.reshape(count, size) > 0), tori.q[k][:, None]
+        turns = 2 * np.pi * np.rint(tori.q[k] / (2 * np.pi)) if coordinate.periodic else 0.0
+        own = tori.q[k] - turns  # in the middle of the grid
+        beyond, places = ~(F.reshape(count, size) > 0), own[:, None]
         before = np.where(beyond & (grid < places), index, 0).max(axis=1)
         after = np.where(beyond & (grid > places), index, size - 1).min(axis=1)
-        low, high = np.fmin(grid[before], tori.q[k]), np.fmax(grid[after], tori.q[k])
+        low, high = np.fmin(grid[before], own), np.fmax(grid[after], own)
+        # a barrier may lie between two samples, or beyond the last: turning points, where they are known, are nearer
+        ends = [place(side, x) - turns for side, x in zip(sides(coordinate), tori.ends[k][::2], strict=True)]
+        with np.errstate(invalid="ignore"):
+            around, room = (ends[0] <= own) & (own <= ends[1]), _BESIDE_ENDS * (ends[1] - ends[0])
+        limit = np.where(beyond[:, 0] | (before > 0), low, -np.inf)
+        low = np.where(around, np.fmax(limit, ends[0] - room), low)
+        limit = np.where(beyond[:, -1] | (after < size - 1), high, np.inf)
+        high = np.where(around, np.fmin(limit, ends[1] + room), high)
         # maxima by the slope: p² itself shows no wells that are below the rounding of its constants
         rises = (formula.sign * slope).reshape(count, size) > 0
-        outside = rises[:, :-1] & ~rises[:, 1:] & ((index[1:] <= before[:, None]) | (index[:-1] >= after[:, None]))
-        others = np.full((_WELLS, count), np.nan)
         middles = 0.5 * (grid[:-1] + grid[1:])
+        outside = (index[1:] <= before[:, None]) | (index[:-1] >= after[:, None])
+        outside |= (middles < low[:, None]) | (middles > high[:, None])
+        outside &= rises[:, :-1] & ~rises[:, 1:]
+        others = np.full((_WELLS, count), np.nan)
         if coordinate.periodic:  # each maximum once, the one next above the lower end of the well
             turned = middles + 2 * np.pi * np.ceil((low[:, None] - middles) / (2 * np.pi))
             outside &= (turned > high[:, None]) & (middles >= 0)
