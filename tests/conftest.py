@@ -52,7 +52,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
 _TOGETHER = {
     "reports": r"tests/(reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|regressions/test_00(35|37|39)_)",
     "values": r"tests/display/test_values_in_notebooks",
-    "sources": r"tests/architecture/test_(shape_of_the_code|types|docstrings)",
+    "sources": r"tests/architecture/test_(shape_of_the_code|types|docstrings|clocks|circles)",
 }
 """Files whose tests share something that takes seconds to make."""
 
