@@ -18,7 +18,7 @@ _STARTS = {
     "pendulum": ({"theta": 0.1}, {"theta": [0.3, 3.0, 1.9999999]}),
 }
 """Librations, small motions, rotations, and motions that take 32 digits."""
-_TORI = {
+_TORI: dict[str, dict[str, object]] = {
     "kepler-planar": {"r": [0.1, 0.2, 0.3, 1e9], "theta": 1.0},
     "pendulum": {"theta": [9.0, 10.0]},
 }

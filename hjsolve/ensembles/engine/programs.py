@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from hjsolve.arithmetic.divided_differences import FUNCTIONS as CHORDS
-from hjsolve.arithmetic.divided_differences import FirstDifferences
+from hjsolve.arithmetic.divided_differences import WITH_FIRST, FirstDifferences
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.jet import Jet, Jets
@@ -137,7 +136,7 @@ def _view(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
     parts = _jet(writer, squared, constants, parameters)
     # F[b, b + d] where all functions of p² have a rule; else F as it is written, with the bound that this has
     chorded = kernels and (
-        bool(squared.operations) and {operation.code for operation in squared.operations} <= CHORDS | ARITHMETIC
+        bool(squared.operations) and {operation.code for operation in squared.operations} <= WITH_FIRST | ARITHMETIC
     )
     return ViewPrograms(
         bend=writer.code(parts),
