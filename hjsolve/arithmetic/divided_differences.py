@@ -63,7 +63,7 @@ def of_product(a: Ring[N], heads: Sequence[N], x: Sequence[N], y: Sequence[N]) -
         x, y: at least x(q), …, x[x₀, …, q], in the order of their lengths.
     """
     n = len(heads)
-    return reduce(a.add, [*(a.mul(head, y[n - l]) for l, head in enumerate(heads)), a.mul(x[n], y[0])])
+    return reduce(a.add, [*(a.mul(y[n - l], head) for l, head in enumerate(heads)), a.mul(y[0], x[n])])
 
 
 def of_quotient(a: Arithmetic[N], heads: Sequence[N], x: N | None, y: Sequence[N]) -> N:
@@ -162,7 +162,8 @@ class FirstDifferences(ByOthers, Generic[N]):
             left = None if x.slope is None else a.mul(x.slope, y.value)
             slope = left if y.slope is None else a.mul(x.base, y.slope)
         else:
-            slope = of_product(a, (x.base,), (x.value, x.slope), (y.value, y.slope))
+            # the nodes may stand in any order: q, e
+            slope = of_product(a, (y.value,), (y.base, y.slope), (x.base, x.slope))
         return self._made(slope, lambda part: a.mul(part(x), part(y)))
 
     def div(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
@@ -171,9 +172,8 @@ class FirstDifferences(ByOthers, Generic[N]):
         if y.slope is None:
             slope = None if x.slope is None else a.div(x.slope, y.value)
             return self._made(slope, lambda part: a.div(part(x), part(y)))
-        base = a.div(x.base, y.base)
-        slope = of_quotient(a, (base,), x.slope, (y.value, y.slope))
-        return FirstDifference(base, a.div(x.value, y.value), slope)
+        base, value = a.div(x.base, y.base), a.div(x.value, y.value)
+        return FirstDifference(base, value, of_quotient(a, (base,), x.slope, (y.value, y.slope)))
 
     def unary(self, name: str, x: FirstDifference[N]) -> FirstDifference[N]:
         """Return Φ(x), its slope by Φ[x(e), x(q)] x[e, q]."""
