@@ -18,6 +18,7 @@ from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched
 
 _POINTS = ComplexPoints()
 _EDGE = np.exp(2j * np.pi * (np.arange(8) + 0.5) / 8)
+"""Places of the edge of a disk, none on the axes, where maps have their symmetries: two of them would say the same."""
 _MARGIN = 1.2
 """The radius of a map's image over the greatest distance seen at eight points of the edge."""
 

@@ -32,6 +32,8 @@ from hjsolve.one_coordinate.strip_squares import StripSquares, in_a_cone, straig
 
 _DISKS, _POINTS = Disks(), ComplexPoints()
 _CIRCLE = np.exp(2j * np.pi * np.arange(20) / 20)
+"""Places at which a function is looked at: with t = 1/``_WIDER`` they miss 2t²⁰/(1 − t) = 1.2e-4 of its bound on the
+wider disk, so that a bound a thousand times too large still tells a tenth."""
 _WIDER = 1.7
 """The disk over which a formula is enclosed, in units of the one over which its series is taken."""
 _ROUNDING = 2.0**-40

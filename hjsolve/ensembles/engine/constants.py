@@ -17,7 +17,8 @@ from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.starts import Starts
 
 _FARTHEST = 2.0**228
-"""Fourth powers of it, and of its inverse, keep both halves of a pair."""
+"""Fourth powers of it, and of its inverse, keep both halves of a pair: 2^−(4·228) times the 2⁻¹⁰⁶ of a product's error
+is 2⁻¹⁰¹⁸, still a normal number; constants are compared with its square, as they hold q² at least."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 
 """Numbers of nodes over half a turn."""
 
 _WIDEST = 2 * COUNTS[-1]
+"""Nodes of a whole turn: the length of a row of the tables."""
 _ONE_AT_A_TIME = Lock()
 
 

@@ -21,11 +21,11 @@ from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode, Va
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
-from hjsolve.ensembles.engine.program_parts import ARITHMETIC, MADE, PLACE, ParameterRows, error_of, filled
+from hjsolve.ensembles.engine.program_parts import ARITHMETIC, FINER, MADE, PLACE, ParameterRows, error_of, filled
 from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, small_programs
 
-_RELATIVE, FINER = 4 * UNIT, 2.0**-44
-"""Relative error of F from 32 digits, and the part of what doubles lose that 32 digits may lose."""
+_RELATIVE = 4 * UNIT
+"""Relative error of F from 32 digits: it is rounded once to a double; three units are to spare."""
 
 
 def sides(coordinate: Separated) -> tuple[LoweredFormula, LoweredFormula]:

@@ -19,11 +19,10 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Complexes, Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.kernels.clearance_tables import glances
+from hjsolve.ensembles.engine.kernels.clearance_tables import NOT_COVERED, UNTOLD, glances
 from hjsolve.ensembles.engine.kernels.types import Clearances, Motions
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps
 
-_NOT_COVERED, _UNTOLD = -3, -2
 _FIRST = 64
 """Orbits for which a table of clearances is filled before the others are looked at again."""
 
@@ -100,17 +99,17 @@ class ResolutionProof:
             low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
             glances(self.motions, left, maps, todo, known, span, self.maps.strips, low, high, least)
             found = least[todo]
-            bare = todo[found == _NOT_COVERED]
+            bare = todo[found == NOT_COVERED]
             # strips are covered as they are met, once for all orbits
             for map_, size in set(zip(maps[bare].tolist(), span[0, bare].tolist(), strict=True)):
                 self.maps.cover(map_, size)
-            untold = todo[found == _UNTOLD][:block]
+            untold = todo[found == UNTOLD][:block]
             filled = untold * len(COUNTS) + span[0, untold]
             if len(filled) and np.array_equal(filled, last):  # places on the edge of a cell, which roundings move
                 least[untold] = -1
             last = filled
             self._fill(left[untold], maps[untold], span[0, untold])
-            todo = todo[(least[todo] == _UNTOLD) | (least[todo] == _NOT_COVERED)]
+            todo = todo[(least[todo] == UNTOLD) | (least[todo] == NOT_COVERED)]
             # the first orbits fill most of the table for the others
             block *= 4
         return least

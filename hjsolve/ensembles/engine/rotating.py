@@ -19,6 +19,7 @@ from hjsolve.ensembles.engine.kernels.turn_integrals import rotations as integra
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.maps_of_turns import COUNTS, turn_maps
 from hjsolve.ensembles.engine.nodes import rotation_nodes
+from hjsolve.ensembles.engine.program_parts import FINER
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.engine.rotation_anomalies import SlowPlaces, slow_places
 from hjsolve.ensembles.engine.strips_of_analyticity import covered_turn
@@ -91,7 +92,7 @@ def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely
     least = _least(sides(one.coordinate)[0].clearance, slow, direction)
     zero = 0.0 * slow.centre
     # the bound that programs in doubles need, as in ``librating``
-    lost = np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44  # by doubles, of the constants
+    lost = np.maximum(one.uncertainty - np.abs(one.low), 0.0) / FINER  # by doubles, of the constants
     known = [*one.constants, *one.low, slow.centre, zero, slow.centre, zero] if finely else one.constants
     motions = Rounds(
         centre=slow.centre, left=one.q - slow.centre, opposite=slow.opposite, ratio=slow.ratio, direction=direction,

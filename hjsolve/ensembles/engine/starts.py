@@ -20,8 +20,7 @@ from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode
 from hjsolve.arithmetic.number_types import Reals, Which
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
-
-_FINER = 2.0**-44
+from hjsolve.ensembles.engine.program_parts import FINER
 
 
 @dataclass(frozen=True)
@@ -117,7 +116,7 @@ class Starts:
             return self
         p, low = self.rule.exactly(self.q, self.velocity)
         # p alone lacks its low part; both together lack 2⁻⁴⁴ of what doubles lose
-        return replace(self, p=p, low=low, uncertainty=np.abs(low) + _FINER * self.spread)
+        return replace(self, p=p, low=low, uncertainty=np.abs(low) + FINER * self.spread)
 
 
 def given_momenta(q: Reals, p: Reals) -> Starts:
