@@ -26,8 +26,8 @@ from hjsolve.errors import required
 
 _ERROR_FACTOR = 2  # times first-order bounds, for the terms of second order
 _PHASE, _PART = 2.0, 16.0
-"""Times the bound on dχ/du, whose S is taken from one place; the part of the natural length of u that a motion is taken to
-be as wide as at least."""
+"""Times the bound on dχ/du, whose S is taken from one place; the part of the natural length of u that a motion is taken
+to be as wide as at least."""
 _LEAST, _LARGEST_ERROR = 2.0**-49 * np.pi, 1e-9
 """What the engine counts at least for a phase (``initial_phase``: 8 ε π), and the largest error of an angle let go."""
 _NEAR, _FAR = 64.0, 2.0**16

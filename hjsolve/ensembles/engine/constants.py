@@ -53,6 +53,7 @@ def initial_constants(model: Model, programs: SystemPrograms, starts: Starts) ->
         starts: of n orbits.
     """
     starts = starts.precise()
+    # low parts of p and their bounds are inputs, too: E inherits what velocities leave open
     m, given = len(model.constants), np.concatenate([starts.q, starts.p, starts.low, starts.spread])
     C, L, E, P = np.split(run_rows(programs.start, programs.parameters, given), [m, 2 * m, 3 * m])
     places = [c.index for c in model.separated]
@@ -60,6 +61,7 @@ def initial_constants(model: Model, programs: SystemPrograms, starts: Starts) ->
     C[:, _too_far(starts.q[places], C)] = np.nan
     uncertainty, p = starts.uncertainty[places], starts.p[places]
     with np.errstate(all="ignore"):
+        # relative to P, because the phase of a start next to a turning point is read off P
         lost = np.where(uncertainty > 0, uncertainty / np.abs(p), 0.0)
     return InitialConstants(starts.q[places], P, starts, C, L, E, lost)
 

@@ -158,6 +158,7 @@ def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
         (F,) = squared.run(chords, [chords.variable(b, x), *map(chords.constant, known)])
         # F(b) = 0: F = d F[b, b + d], which keeps its relative accuracy down to d = 0
         square = writer.mul(d, F.slope)
+        # kernels do not vanish at a turning point: they are taken at x itself, as written
         _, *weights = full.run(writer, [x, *known])
     else:
         square, *weights = (full if kernels else squared).run(writer, [x, *known])
@@ -184,6 +185,7 @@ def _relative(squared: Tape, constants: int, parameters: int) -> MachineCode:
     inputs = [chords.variable(WithErrorBound(b), WithErrorBound(x, rounding_error))]
     inputs += [chords.constant(WithErrorBound(c)) for c in known]
     inputs += [chords.constant(x) for x in numbers.rounded]
+    # the bound on F[b, b + d] over its size: d is exact, so that of F is the same
     slope = squared.run(chords, inputs)[0].slope
     return writer.code([writer.div(writer.unary("abs", error_of(writer, slope)), writer.unary("abs", slope.value))])
 
@@ -242,6 +244,7 @@ def _exact_errors(
     rounding_error = writer.mul(writer.number(PLACE), writer.unary("abs", place))
     known = [*map(WithErrorBound, rows[:constants], e), *numbers.rounded]
     inputs = [WithErrorBound(place, rounding_error), *known]
+    # one run in doubles bounds the kernels, and by ``FINER`` of it what p² loses in 32 digits
     approximate, *others = (full if kernels else squared).run(RunningError(writer, own=ROUNDINGS), inputs)
     jets = Jets(writer)
     known_ = [*rows[:constants], *numbers.plain]

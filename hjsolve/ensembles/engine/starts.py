@@ -41,6 +41,7 @@ class MomentumRule:
         Args:
             q, velocity: of all coordinates, shape (coordinates, n).
         """
+        # a parameter is known to half a unit of its double; the error goes into the bound
         known = [x for pair in self.numbers for x in (float(pair.high), UNIT * abs(float(pair.high)))]
         return self._run(_rounded(self.tape, len(self.numbers)), known, q, velocity)
 
@@ -65,6 +66,7 @@ def _rounded(tape: Tape, parameters: int) -> MachineCode:
     given = [WithErrorBound(x) for x in writer.inputs(len(tape.inputs) - parameters)]
     known = [WithErrorBound(writer.parameter(), writer.parameter()) for _ in range(parameters)]
     found = tape.run(RunningError(writer, own=ROUNDINGS), [*given, *known])
+    # a momentum that is a velocity itself has no rounding, and its bound is none
     errors = [writer.number(0.0) if p.error is None else p.error for p in found]
     return writer.code([*(p.value for p in found), *errors])
 
@@ -112,6 +114,7 @@ class Starts:
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
+        # momenta that were given are the doubles they are: there is nothing to sharpen
         if self.rule is None or self.velocity is None:
             return self
         p, low = self.rule.exactly(self.q, self.velocity)
