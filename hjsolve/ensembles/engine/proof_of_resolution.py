@@ -27,7 +27,10 @@ _FIRST = 64
 """Orbits for which a table of clearances is filled before the others are looked at again."""
 
 _NARROW = 0.03
+"""Width of a motion over its distance from the origin: sixteen of the narrowest cells of a table, which are 2⁻⁹ of that
+(two bits of the size, halved ``DEEPEST`` times). A wider motion is told by its cells."""
 _ALONG = np.linspace(-0.5, 0.5, 5)
+"""Places of a motion from end to end, at which functions are looked at next to its disk."""
 _HELD = COUNTS.index(40)
 """Size of the tables for which a small motion gets a disk of its own."""
 

@@ -27,9 +27,11 @@ from hjsolve.ensembles.engine.turned_circle import moved_disks
 
 _POINTS = 32
 _GRID = np.pi * (1 + 2 * np.arange(_POINTS) / _POINTS)
+"""Where p² > 0 is looked at: the grid proposes, the nodes prove. Half and twice as many change no status."""
 _CROWDED = 28, 7
 """Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried."""
 _FIRST = 32
+"""Nodes that circular anomalies are tried with first: fewer suffice for p² that hardly varies, and cost as much."""
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
 """The nodes needed grow nearly like the fraction of the radius that is missing, at least with this power; for stretched
 anomalies, and where nothing is known, as if the share were 0.4 at least. Twice as many as there are is too many."""
