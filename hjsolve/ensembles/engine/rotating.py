@@ -29,12 +29,14 @@ _POINTS = 32
 _GRID = np.pi * (1 + 2 * np.arange(_POINTS) / _POINTS)
 """Where p² > 0 is looked at: the grid proposes, the nodes prove. Half and twice as many change no status."""
 _CROWDED = 28, 7
-"""Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried."""
+"""Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried. Half and twice of
+either change last bits and no time."""
 _FIRST = 32
 """Nodes that circular anomalies are tried with first: fewer suffice for p² that hardly varies, and cost as much."""
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
 """The nodes needed grow nearly like the fraction of the radius that is missing, at least with this power; for stretched
-anomalies, and where nothing is known, as if the share were 0.4 at least. Twice as many as there are is too many."""
+anomalies, and where nothing is known, as if the fraction were 0.4 at least. Twice as many as there are is too many.
+Half and twice of each change no bit of 24 000 orbits."""
 _CLOSE = 0.5
 """A fraction of a coarse cover from which on a finer one may be enough."""
 _NODES = 1 << 20
