@@ -289,7 +289,7 @@ def periodic(
             here, there = (squared.run(arithmetic, [x, *inputs])[0] for x in (q, q + turn))
         except (InvalidInputError, ZeroDivisionError):
             return False
-        # 160 bits compared to 120: equality at three places of a formula with arbitrary constants is no chance
+        # 160 bits compared to 120: a formula with arbitrary constants is not equal at three places by chance
         if abs(here - there) > arithmetic.convert(2.0**-120) * (abs(here) + abs(there)):
             return False
     return True
