@@ -19,7 +19,10 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci" if os.environ.ge
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let a rotation be chosen by hand."""
     parser.addoption(
-        "--rotation", type=int, metavar="N", help="which part of the long lists runs, -1 for all; of the commit if not given"
+        "--rotation",
+        type=int,
+        metavar="N",
+        help="which part of the long lists runs, -1 for all; of the commit if not given",
     )
 
 
