@@ -19,7 +19,10 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci" if os.environ.ge
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let a rotation be chosen by hand."""
     parser.addoption(
-        "--rotation", type=int, metavar="N", help="which part of the long lists runs, -1 for all; of the commit if not given"
+        "--rotation",
+        type=int,
+        metavar="N",
+        help="which part of the long lists runs, -1 for all; of the commit if not given",
     )
 
 
@@ -52,7 +55,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
 _TOGETHER = {
     "reports": r"tests/(reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|regressions/test_00(35|37|39)_)",
     "values": r"tests/display/test_values_in_notebooks",
-    "sources": r"tests/architecture/test_(shape_of_the_code|types|docstrings)",
+    "sources": r"tests/architecture/test_(shape_of_the_code|types|docstrings|clocks|circles)",
 }
 """Files whose tests share something that takes seconds to make."""
 

@@ -17,13 +17,15 @@ real; an enclosure tells which one. (By Baker's theorem there is no other way fo
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 
 import sympy as sp
 
 from hjsolve.algebra.intervals import NoEnclosureError, enclose
+from hjsolve.algebra.tree_walk import TreeWalk
 from hjsolve.precision import mp
 
 MAX_DEGREE, MAX_BITS = 4096, 40_000
@@ -68,34 +70,29 @@ def _log2(n: int) -> float:
     return 0.0 if n <= 1 else math.log2(n) + _TOLERANCE if n < 2**900 else float(n.bit_length())
 
 
-class _Measure:
-    """Bounds of one expression, and the degree of its field."""
+class _Measure(TreeWalk[_Bound]):
+    """The walk in bounds, and the degree of the field of what was met."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.roots: dict[sp.Expr, int] = {}
         self.turn = 1
-        self.known: dict[sp.Expr, _Bound] = {}
 
     @property
     def degree(self) -> int:
         cyclotomic = 1 if self.turn <= 2 else int(sp.totient(math.lcm(4, self.turn))) // 2
         return math.prod(self.roots.values()) * cyclotomic
 
-    def __call__(self, x: sp.Expr) -> _Bound:
-        if x not in self.known:
-            self.known[x] = self._bound(x)
-        return self.known[x]
+    def leaf(self, x: sp.Expr) -> _Bound | None:
+        return _Bound.of_rational(x) if x.is_Rational else None
 
-    def _bound(self, x: sp.Expr) -> _Bound:
-        if x.is_Rational:
-            return _Bound.of_rational(x)
-        if x.is_Add or x.is_Mul:
-            total = self(x.args[0])
-            for a in x.args[1:]:
-                total = total.plus(self(a)) if x.is_Add else total.times(self(a))
-            return total
-        if x.is_Pow and x.exp.is_Rational:
-            return self._power(x.base, x.exp)
+    def total(self, parts: Iterable[_Bound]) -> _Bound:
+        return reduce(_Bound.plus, parts)
+
+    def product(self, parts: Iterable[_Bound]) -> _Bound:
+        return reduce(_Bound.times, parts)
+
+    def function(self, x: sp.Expr) -> _Bound:
         if isinstance(x, (sp.sin, sp.cos)):
             turn = x.args[0] / sp.pi
             if turn.is_Rational:
@@ -103,7 +100,10 @@ class _Measure:
                 return _Bound(1.0, 1.0)
         raise NotAlgebraicError(f"{sp.sstr(x)[:60]} is not known to be algebraic")
 
-    def _power(self, base: sp.Expr, exponent: sp.Rational) -> _Bound:
+    def power(self, x: sp.Expr) -> _Bound:
+        base, exponent = x.args
+        if not exponent.is_Rational:
+            return self.function(x)
         bound, q = self(base), int(exponent.q)
         if q > 1:
             self.roots[base] = math.lcm(self.roots.get(base, 1), q)

@@ -6,12 +6,14 @@ float enters.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import reduce
 
 import mpmath
 import sympy as sp
 from mpmath import libmp
 
+from hjsolve.algebra.tree_walk import TreeWalk
 from hjsolve.precision import mp
 
 Interval = tuple[sp.Expr, sp.Expr]
@@ -58,42 +60,35 @@ def finite(compute: Callable[[], Interval]) -> tuple[mpmath.mpf, mpmath.mpf]:
     return mp.make_mpf(low), mp.make_mpf(high)
 
 
-class Walk:
-    """One evaluation: remembers the values of shared subexpressions."""
+class Walk(TreeWalk[Interval]):
+    """The walk in intervals, at a point."""
 
     def __init__(self, point: Mapping[sp.Expr, sp.Rational], precision: int):
+        super().__init__()
         self.point, self.precision = point, precision
-        self.seen: dict[sp.Expr, Interval] = {}
 
-    def __call__(self, x: sp.Expr) -> Interval:  # noqa: D102
-        if x not in self.seen:
-            self.seen[x] = self._value(x)
-        return self.seen[x]
-
-    def _value(self, x: sp.Expr) -> Interval:
+    def leaf(self, x: sp.Expr) -> Interval | None:  # noqa: D102
         prec = self.precision
-        if x in self.point:
-            x = self.point[x]
+        x = self.point.get(x, x)
         if x.is_Rational:
             return rational(int(x.p), int(x.q), prec)
         if x is sp.pi:
             return _pi(prec)
-        if x is sp.E:
-            return libmp.mpi_exp(rational(1, 1, prec), prec)
-        if x.is_Add or x.is_Mul:
-            combine = libmp.mpi_add if x.is_Add else libmp.mpi_mul
-            total = self(x.args[0])
-            for a in x.args[1:]:
-                total = combine(total, self(a), prec)
-            return total
-        if x.is_Pow:
-            return self._power(x.base, x.exp)
+        return libmp.mpi_exp(rational(1, 1, prec), prec) if x is sp.E else None
+
+    def total(self, parts: Iterable[Interval]) -> Interval:  # noqa: D102
+        return reduce(lambda a, b: libmp.mpi_add(a, b, self.precision), parts)
+
+    def product(self, parts: Iterable[Interval]) -> Interval:  # noqa: D102
+        return reduce(lambda a, b: libmp.mpi_mul(a, b, self.precision), parts)
+
+    def function(self, x: sp.Expr) -> Interval:  # noqa: D102
         if function := _FUNCTIONS.get(x.func):
-            return function(self(x.args[0]), prec)
+            return function(self(x.args[0]), self.precision)
         raise NoEnclosureError(f"no interval extension of {x.func}")
 
-    def _power(self, base: sp.Expr, exponent: sp.Expr) -> Interval:
-        prec, b = self.precision, self(base)
+    def power(self, x: sp.Expr) -> Interval:  # noqa: D102
+        prec, b, exponent = self.precision, self(x.base), x.exp
         if exponent.is_Integer:
             n = int(exponent)
             return enclose_inverse(libmp.mpi_pow_int(b, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(b, n, prec)

@@ -1,13 +1,9 @@
 """A formula seen from one place e of its line, over disks: f = uᵏ φ with φ = φ(e) + φ[e, q] u, u = q − e.
 
 What vanishes or has a pole at e keeps its relative accuracy however small u is, and nothing that is common to f(q) and
-f(e) matters. Differences are carried through a formula by Leibniz' rule and through an elementary function Φ by
-
-    (Φ∘f)[e, q] = Φ[f(e), f(q)] f[e, q],   (Φ∘f)[e, e, q] = Φ[f(e), f(q)] f[e, e, q] + f[e, e] f[e, q] Φ[f(e), f(e),
-    f(q)]
-
-(Krawczyk & Neumaier, SIAM J. Numer. Anal. 22 (1985) 604); a difference of Φ is a quotient or a mean value over the
-hull, whichever is narrower. Poles and zeros of the parts of a formula are taken out where their orders are known.
+f(e) matters. Differences on e, e, q are carried through a formula by the rules of ``divided_differences``; one of an
+elementary function is a quotient or a mean value over the hull, whichever is narrower. Poles and zeros of the parts of
+a formula are taken out where their orders are known.
 
 The place may be infinity, with u = 1/q, or with u = e^{−c|q|}: q itself has no series in that u, but exp(aq + b) is
 e^b times a power of it. So what is linear in q is kept as a and b.
@@ -24,6 +20,7 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, hull, tighter
+from hjsolve.arithmetic.divided_differences import of_composition, of_product, of_reciprocal
 from hjsolve.arithmetic.floats import by_squaring
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import required
@@ -237,11 +234,7 @@ class Locals:
         parts = [d.mul(x.parts[0], y.parts[0])]
         known = min(len(x.parts), len(y.parts))
         bases = [_at_base(part) for part in x.parts[: known - 1]]
-        for i in range(1, known):
-            total = d.mul(x.parts[i], y.parts[0])
-            for l in range(i):
-                total = d.add(total, d.mul(bases[l], y.parts[i - l]))
-            parts.append(total)
+        parts += [of_product(d, bases[:i], x.parts, y.parts) for i in range(1, known)]
         return LocalExpansion(x.order + y.order, tuple(parts))
 
     def _inverse(self, x: LocalExpansion) -> LocalExpansion:
@@ -254,9 +247,9 @@ class Locals:
         base = _at_base(value)
         if len(x.parts) > 1:
             parts.append(-d.mul(d.mul(base, value), x.parts[1]))
-        if len(x.parts) > 2:  # (1/f)[e, e, q] = (f[e, e] f[e, q] − f(e) f[e, e, q]) / (f(e)² f(q))
-            inner = d.sub(d.mul(_at_base(x.parts[1]), x.parts[1]), d.mul(_at_base(x.parts[0]), x.parts[2]))
-            parts.append(d.mul(d.mul(d.mul(base, base), value), inner))
+        if len(x.parts) > 2:
+            ends = _at_base(x.parts[0]), _at_base(x.parts[1])
+            parts.append(of_reciprocal(d, (base, base, value), ends, x.parts[1:]))
         return LocalExpansion(-x.order, tuple(parts))
 
     def _unary(self, name: str, x: LocalExpansion) -> LocalExpansion:
@@ -306,7 +299,7 @@ class Locals:
         if len(f) > 2:
             close = d.times(d.bend(name, hull(f[0], f0)), 0.5)
             second = tighter(d.div(d.sub(first, _at_base(first)), d.sub(f[0], f0)), close)
-            parts.append(d.add(d.mul(first, f[2]), d.mul(d.mul(_at_base(f[1]), f[1]), second)))
+            parts.append(of_composition(d, first, second, _at_base(f[1]), f[1:]))
         return LocalExpansion(0, tuple(parts))
 
 

@@ -21,6 +21,8 @@ from hjsolve.separation import Zero, is_zero
 from hjsolve.solution.quadratures import Solution
 
 _ROUNDING = 2.0**-50
+"""Of an angle that is added to another, and brought back by whole turns: four roundings, of 2⁻⁵³ of π or the azimuth,
+are below 2⁻⁵⁰ of 1 + the azimuth."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,9 @@ CHUNK = 65536
 """Orbits that one thread treats at a time: passes for few hard orbits cost less together."""
 
 _FEWEST = 1024
+"""Orbits of a chunk: at some 3 µs each they take longer than the 0.5 ms of Python that a chunk costs."""
 _ROOM = 31 << 20
+"""Bytes, just below the 32 MB up to which the C library raises its limit."""
 
 Columns = dict[str, Any]
 

@@ -27,6 +27,8 @@ from hjsolve.solution.quadratures import Solution
 PROGRAMS = ("galpy", "agama")
 """They count alike."""
 _ROUNDING = 2.0**-49
+"""Over π, of an angle that is shifted by a multiple of π and reduced: two roundings of at most 2π · 2⁻⁵³ are 2⁻⁵¹ of
+π."""
 _CHARTS = ("spherical", "prolate spheroidal", "oblate spheroidal")
 
 

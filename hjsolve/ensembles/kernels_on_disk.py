@@ -18,6 +18,13 @@ _STARTS = {
     "pendulum": ({"theta": 0.1}, {"theta": [0.3, 3.0, 1.9999999]}),
 }
 """Librations, small motions, rotations, and motions that take 32 digits."""
+_TORI: dict[str, dict[str, object]] = {
+    "kepler-planar": {"r": [0.1, 0.2, 0.3, 1e9], "theta": 1.0},
+    "pendulum": {"theta": [9.0, 10.0]},
+}
+"""Actions of neighbours, of a nearly unbound orbit, whose phases take short arcs, and of rotations."""
+_SMALL_ANGLE = 1e-15
+"""Next to a turning point, where phases take short arcs."""
 
 
 def compile_kernels(progress: Callable[[float, str], None] = lambda _part, _words: None) -> float | None:
@@ -32,7 +39,7 @@ def compile_kernels(progress: Callable[[float, str], None] = lambda _part, _word
     if not available():
         return None
     begin, apart = time.process_time(), range(APART, len(NAMES))
-    count = len(apart) + len(_STARTS)
+    count = len(apart) + len(_STARTS) + len(_TORI)
     for number, code in enumerate(apart):
         progress(number / count, NAMES[code])
         prepared(frozenset({code}))
@@ -40,5 +47,9 @@ def compile_kernels(progress: Callable[[float, str], None] = lambda _part, _word
         progress(number / count, "kernels")
         ensemble(name, q=q, p={c: np.array(x) for c, x in p.items()}, threads=1, shown=False, fallback=False)
         ensemble_derivatives(name, q=q, p={c: np.array(x) for c, x in p.items()}, threads=1)
+    for number, (name, actions) in enumerate(_TORI.items(), len(apart) + len(_STARTS)):
+        progress(number / count, "kernels of states")
+        J = {c: np.array(x) for c, x in actions.items()}
+        ensemble(name, actions=J, angles=dict.fromkeys(J, _SMALL_ANGLE), threads=1, shown=False, fallback=False)
     progress(1.0, "")
     return time.process_time() - begin

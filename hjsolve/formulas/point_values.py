@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 
 import mpmath
 import sympy as sp
 from mpmath import libmp
 from sympy.core.function import AppliedUndef
 
+from hjsolve.algebra.tree_walk import TreeWalk
 from hjsolve.precision import multiprecision
 
 CONTEXT = multiprecision(libmp.dps_to_prec(80))
@@ -35,27 +37,47 @@ def evaluate(expression: sp.Expr, values: Mapping[sp.Symbol, mpmath.mpf]) -> mpm
         NoValueError: it has a pole there or is not real.
         BeyondRangeError: a power or an exponential in it is too large.
     """
-    if expression.is_Symbol:
-        return values[expression]
-    if expression.is_Rational:
-        return CONTEXT.mpf(int(expression.p)) / int(expression.q)
-    if expression.is_NumberSymbol:
-        return +CONTEXT.pi if expression is sp.pi else CONTEXT.e + 0
-    arguments = [evaluate(argument, values) for argument in expression.args]
-    if expression.is_Add:
-        return CONTEXT.fsum(arguments)
-    if expression.is_Mul:
-        return CONTEXT.fprod(arguments)
-    return _real(expression, arguments)
+    return _Digits(values)(expression)
 
 
-def _real(expression: sp.Expr, arguments: list[mpmath.mpf]) -> mpmath.mpf:
+class _Digits(TreeWalk[mpmath.mpf]):
+    """The walk to 80 digits."""
+
+    def __init__(self, values: Mapping[sp.Symbol, mpmath.mpf]):
+        super().__init__()
+        self.values = values
+
+    def leaf(self, x: sp.Expr) -> mpmath.mpf | None:
+        if x.is_Symbol:
+            return self.values[x]
+        if x.is_Rational:
+            return CONTEXT.mpf(int(x.p)) / int(x.q)
+        if x.is_NumberSymbol:
+            return +CONTEXT.pi if x is sp.pi else CONTEXT.e + 0
+        return None
+
+    def total(self, parts: Iterable[mpmath.mpf]) -> mpmath.mpf:
+        return CONTEXT.fsum(parts)
+
+    def product(self, parts: Iterable[mpmath.mpf]) -> mpmath.mpf:
+        return CONTEXT.fprod(parts)
+
+    def power(self, x: sp.Expr) -> mpmath.mpf:
+        return _real(x, partial(_power, self(x.base), self(x.exp)))
+
+    def function(self, x: sp.Expr) -> mpmath.mpf:
+        argument, *_ = map(self, x.args)
+        return _real(x, partial(_function, x, argument))
+
+
+def _real(x: sp.Expr, compute: Callable[[], mpmath.mpf]) -> mpmath.mpf:
+    """Return the value of an expression; what is not finite and real has none."""
     try:
-        value = _power(*arguments) if expression.is_Pow else _function(expression, arguments[0])
+        value = compute()
     except (ZeroDivisionError, ValueError) as error:
-        raise NoValueError(str(expression)) from error
+        raise NoValueError(str(x)) from error
     if isinstance(value, CONTEXT.mpc) or not CONTEXT.isfinite(value):
-        raise NoValueError(str(expression))
+        raise NoValueError(str(x))
     return value
 
 

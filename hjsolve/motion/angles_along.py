@@ -87,9 +87,11 @@ def angle_variables(motion: SeparatedMotion, t: object) -> AngleVariables:
 
 def _in_doubles(line: _Line, time: tuple[Reals, Reals]) -> tuple[Numbers, Reals]:
     turn = 2 * multiprecision(160).pi
+    # turns are taken out in two doubles: θ after 10⁹ periods is as good as after one
     whole, rest = turns_and_rest(split(line.rate / turn), time, split(line.start / turn))
     whole_numbers(whole)
     angle, _ = principal_values(line.direction * (2 * np.pi * rest))
+    # 2⁻¹⁰⁰ of all that was grown is what two doubles lose of the turns
     grown = np.abs(time[0]) * abs(float(line.rate))
     return angle, line.uncertainty + 2 * EPS * np.abs(angle) + 2.0**-100 * (grown + abs(float(line.start)))
 
@@ -117,11 +119,13 @@ def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
         if name in motion.located:
             k = list(motion.solution.coordinates).index(name)
             rate, series = torus.rates[k], torus.oscillations[k]
+            # the phase follows its own rate; θ has the sign of Ω
             direction = 1 if float(frequency.value) * float(rate) > 0 else -1
             start, uncertainty = (
                 torus.starts[k] - begins[k],
                 torus.roundings[k] + _slopes(torus.coordinate_motions, series, unit),
             )
+            # θ counts from the lower turning point, or opposite the highest barrier: what oscillates is 0 there
             start -= sum(oscillation_at(s, begin) for s, begin in zip(series, begins, strict=True))
         else:
             j = constant_index(motion, name)

@@ -36,6 +36,7 @@ FINER = 26
 def waves_along(motion: SeparatedMotion, t: object, *, principal: bool) -> Estimate | EstimateArray:
     """Return W, or S = W − E (t − t₀) where ``principal``, at times; see ``Motion.characteristic_function``."""
     shape, floats, exact = read_times(t)
+    # where q(t) needs a table W has none: more digits take its place
     source = _finer(motion) if motion.digits <= FLOAT_DIGITS and needs_table(motion) else motion
     phases = phases_at(source, floats, exact)
     value, error = _characteristic(source, phases)
@@ -86,17 +87,20 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, R
     for k, coordinate_motion in enumerate(coordinate_motions_of(motion, phases)):
         part, slope, size = swept_from_start(coordinate_motion, phases.χ[k], phases.whole[k], many=many)
         value = value + part
+        # δW = p dq/dχ δχ, and the rounding of a difference of two integrals of this size
         error = error + slope.astype(float) * phase_error[k] + 4 * unit * size.astype(float)
     q, _, whole = positions_at(motion, phases)
     for coordinate in solution.system.coordinates:
         if coordinate.name not in solution.coordinates:
             exact = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
             c: Any = exact if many else float(exact)
+            # ∫ p_φ dφ = p_φ Δφ with all turns, as p_φ is a constant
             end_map = travelled(motion, phases, coordinate.name, q)
             value = value + c * end_map
             uncertainty = ignorable_error(motion, phases, phase_error, coordinate.name, unit)
             error = error + abs(float(c)) * (uncertainty + 4 * unit * abs(end_map).astype(float))
     if solution.shift_potential != 0:
+        # ∮ p dq = ∮ P dq − Δχ: the shift of a momentum is a gradient
         shift, uncertainty = gauge(motion, q, whole)
         value, error = value - shift, error + uncertainty
     return value, error + unit * abs(value).astype(float)
@@ -126,6 +130,7 @@ def swept_from_start(
     value, size = there - begin[0], size + first[0]
     if coordinate_motion.cycle is not None and whole.any():
         context = coordinate_motion.cycle.density.mean.context  # type: ignore[union-attr]
+        # a turn adds 2πJ, exactly: the number of turns loses no digits of what is left of one
         cycle = 2 * context.pi * coordinate_motion.action
         turned = whole.astype(int) * (cycle if many else float(cycle))
         value, size = value + turned, size + abs(turned)
@@ -141,6 +146,7 @@ def gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Count
     """
     formula = motion.solution.shift_potential
     begin = to_bits(formula.subs(motion.initial.values))(bits_for(motion.digits, 96))
+    # χ need not be periodic: it takes angles with all their turns
     full = {n: values + 2 * _pi(values) * whole[n].astype(int) if n in whole else values for n, values in q.items()}
     now = evaluate_along(motion, (formula,), full, {})[0]
     slopes = evaluate_along(
@@ -177,6 +183,7 @@ def betas(motion: SeparatedMotion) -> dict[str, Estimate]:
             continue  # a function of the other constants
         total, size, nodes = _integrals_at_start(motion, j)
         here, uncertainty = _outside_integrals(motion, name)
+        # β_E = t₀ − Σ G_E and β_c = −(φ₀ − ∂χ/∂c + Σ G_c): Jacobi's equations at t₀ (Greenwood 6-79)
         value = here - total if name == energy else -(here + total)
         plain = rounded(value, motion.digits, nodes)
         noise = 4 * unit_of(motion) * (size + uncertainty)
@@ -194,6 +201,7 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, in
         if (cycle := coordinate_motion.cycle) is not None:
             series = cycle.kernels[j]
             periodic = 0 if series.constant else series.oscillation(coordinate_motion.start)
+            # G(χ) = mean · χ + oscillation, from the lower turning point, where χ = 0
             part, nodes = series.mean * coordinate_motion.start + periodic, max(nodes, series.nodes)
             size += abs(float(series.mean * coordinate_motion.start)) + series.wave_size_at(coordinate_motion.start)
         else:

@@ -81,11 +81,14 @@ def _phase_of(
         turn = 2 * arithmetic.pi()
         if cycle.rotates and motion.solution.system.coordinate(name).domain.kind == "line":
             return _only_phase(name, cycle, place, χ, passage)
+        # a libration passes a place twice a turn, at ±χ, at a turning point once: equal doubles are one place
         around = {float(x % turn): x % turn for x in ((χ,) if cycle.rotates else (χ, -χ))}
         start = cycle.start
+        # the first passage after t₀ of each; later ones follow a whole turn apart
         first = sorted(x + turn * arithmetic.context.ceil((start - x) / turn) for x in around.values())
         return first[passage % len(first)] + turn * (passage // len(first))
     phases = sorted(x for x in open_phases(name, coordinate_motion, place, bits))
+    # an open motion has no turns: passages before t₀ are counted backwards, −1 the last of them
     later = (
         [x for x in phases if x >= coordinate_motion.start]
         if passage >= 0
@@ -108,6 +111,7 @@ def _only_phase(name: str, cycle: Periodic, place: Mpf, χ: Mpf, passage: int) -
     context = χ.context
     turn = 2 * context.pi
     there = cycle.place(np.array([χ], dtype=object))[0][0]
+    # q grows by a length a turn: the turn in which the place lies is a quotient, rounded
     χ += turn * context.nint(cycle.direction * (place - there) / (turn * cycle.radian))
     if passage != (0 if χ >= cycle.start else -1):
         side = "after" if passage >= 0 else "before"
@@ -127,6 +131,7 @@ def between_turning_points(motion: SeparatedMotion, name: str, coordinate_motion
     if coordinate_motion.rotates:
         return place
     a, b = coordinate_motion.turning_points
+    # a place typed as the turning point is one in the digits it was typed with
     phase_rounding = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(bits_for(motion.digits, 96))
     if not a - phase_rounding <= place <= b + phase_rounding:
         low, high = motion.turning_points[name]
@@ -157,6 +162,7 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
     """Return the time from t₀ until coordinate k has a phase, and a bound on its error."""
     torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
     if torus is not None and all(s.constant for i, s in enumerate(torus.oscillations[k]) if i != k):
+        # the time law of this phase holds no other phase: t = (χ + D(χ) − θ₀)/Ω, no search
         periodic = torus.oscillations[k][k]
         wave = (
             0
@@ -194,6 +200,7 @@ def _own_time(
             (there, first), (begin, second) = (
                 _integral_at(motion, coordinate_motion, j, χ) for χ in (phase, coordinate_motion.start)
             )
+            # Σ wⱼ Gⱼ = t w₀: Jacobi's equations, combined so that no other coordinate is left
             total, size = total + w * (there - begin), size + abs(w) * (first + second)
     return total / step.weights[0], _noise(motion) * size / abs(step.weights[0])
 
@@ -220,6 +227,7 @@ def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]
     step = 1.0 / max(float(abs(f.value)) for f in motion.frequencies.values()) if motion.frequencies else 1.0
     if full(0.0)[0] < 0:
         left = [full(high)[0]]
+        # doubled steps forward until the phase is passed; its growth has a least mean rate or fades
         while left[-1] < 0:
             low, high, step = high, high + step, 2 * step
             left.append(full(high)[0])
@@ -236,6 +244,7 @@ def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]
 def _limit(step: float, left: list[float]) -> None:
     """Stop a search: too late, or what is gained halves with every doubling of the time and will never suffice."""
     gains = [b - a for a, b in itertools.pairwise(left[-_TREND - 1 :])]
+    # gains that shrink to 0.7 of the last add up to 0.7/0.3 = 2.3 of it: where 8 are missing, the phase lies beyond
     fading = len(gains) == _TREND and all(0 <= b <= 0.7 * a for a, b in itertools.pairwise(gains))
     if step > 1e200 or (fading and left[-1] < -8 * gains[-1]):
         raise OutsideMotionError("the place is not reached in any finite time")
@@ -245,6 +254,7 @@ def _time_error(full: Callable[[float], tuple[float, float]], low: float, high: 
     """Return what the doubt of the phase leaves of the time, by the least slope nearby: there is none beyond an end."""
     t = low
     h = max(high - low, abs(t) * 1e-6, 1e-9)
+    # the phase over a few steps on either side, without those after an end of the motion
     near = [phase for phase in (full(t + side * h)[0] for side in (-2, -1, 0, 1)) if np.isfinite(phase)]
     slope = min((abs(b - a) / h for a, b in itertools.pairwise(near)), default=0.0)
     return 4 * full(t)[1] / max(slope, 1e-300) + 4 * EPS * abs(t)
@@ -256,6 +266,7 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
         raise InvalidInputError(f"time_at: passage counts from 0 for the ignorable coordinate {name}")
     rates = [abs(float(f.value)) for f in motion.frequencies.values()]
     start = float(to_bits(motion.t0)(64))
+    # a 150th of the fastest period: two passages nearer to each other than that are seen as none
     step = 0.04 / max(rates) if rates else 0.05
     angle = motion.solution.system.coordinate(name).domain.kind == "angle"
 
@@ -294,6 +305,7 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     for k, name in enumerate(motion.solution.coordinates):
         coordinate_motion = motion.located[name].coordinate_motion
         if coordinate_motion.ends(1) in {"boundary", "fall"}:
+            # the phase at the end of the domain itself, or the farthest one that is integrated
             context = multiprecision(bits_for(motion.digits, 64))
             phase = coordinate_motion.branches[0].end_map.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends

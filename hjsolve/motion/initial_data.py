@@ -155,6 +155,7 @@ def read_places(system: System, q: Values, parameters: Values | None) -> dict[sp
     values = parameter_values(system, arguments.table(parameters, "parameters", '{"m": 1}'))
     places = complete_numbers(system.coordinates, q, "q")
     values |= {c.symbol: places[c.name] for c in system.coordinates}
+    # |x| and the like are ±x: on which side of a kink the motion begins decides the formula
     values |= signs_at(system.kinks, values)
     _inside_domains(system, values)
     return values
@@ -179,6 +180,7 @@ def read_phase_point(
     rates = complete_numbers(system.coordinates, given, what)
     if what == "p":
         return values | {c.momentum: rates[c.name] for c in system.coordinates}
+    # p = ∂L/∂q̇, in exact numbers: constants of the motion inherit no rounding
     motion, formulas = {c.velocity: rates[c.name] for c in system.coordinates}, momenta(system)
     known = {**values, **motion}
     return values | {c.momentum: expanded(with_numbers(formulas[c.name], known)) for c in system.coordinates}
@@ -233,6 +235,7 @@ def with_numbers(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Ex
         formula: of sympy.
         values: symbol → exact number.
     """
+    # fractions alone are quick: sympy is asked where roots or functions occur
     rational = rational_value(formula, values)
     if rational is not None:
         return rational
@@ -306,6 +309,7 @@ def _inside_domains(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> None
                 continue
             end = bound.subs(values)
             if not _real(end):
+                # the end of a domain may be √(1 − a), which has no value for every a
                 given = ", ".join(f"{symbol} = {values[symbol]}" for symbol in sorted(bound.free_symbols, key=str))
                 raise InvalidInputError(
                     f"parameters: the domain of {c.name} {'begins' if side > 0 else 'ends'} at {bound}, which is not a "

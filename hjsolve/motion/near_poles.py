@@ -46,6 +46,7 @@ def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[
     formulas = tuple(velocities(motion.solution.system).values())
     varies, fixed = known_along(motion, q, p)
     arrays, tape = list(varies.values()), tape_of(formulas, (*varies, *fixed))
+    # what one rounding of each place does to a velocity; momenta are counted elsewhere
     errors = [UNIT * np.abs(x) if k < len(arrays) - len(p) else None for k, x in enumerate(arrays)]
     found = bounded_at(tape, arrays, errors, list(fixed.values()))
     return np.any([error > SECOND_ORDER * _LOST * np.abs(value) for value, error in found], axis=0)
@@ -54,6 +55,7 @@ def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[
 def roundings(motion: SeparatedMotion, coordinate_motion: CoordinateMotion) -> bool:
     """Return whether a motion with one separated coordinate comes to places where its velocities are blurred."""
     system, name = motion.solution.system, motion.solution.coordinates[0]
+    # places of half a turn show whether the motion comes next to a pole or a turning point at all
     χ = np.linspace(0, np.pi, 65) if coordinate_motion.cycle else np.linspace(-1, 1, 65)
     q, p = {}, {}
     q[name], p[name] = coordinate_motion.place(χ)
@@ -76,6 +78,7 @@ def places(
     q, shell = {}, {}
     for name, coordinate_motion, phase in zip(motion.solution.coordinates, coordinate_motions, χ, strict=True):
         approximate, shell[name] = coordinate_motion.place(phase)
+        # from the phase: q in doubles is what has lost the digits
         q[name] = coordinate_motion.place_in_two_doubles(phase, approximate.astype(float))
     return q, shell
 
@@ -115,6 +118,7 @@ def velocities_from_pairs(
         q, v: coordinates and velocities in doubles at all times, shape (m,).
         where: which of these times are chosen, shape (m,).
     """
+    # ignorable coordinates do not occur in H, or only in the gauge of a shift: doubles serve
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     chosen = {name: f for name, f in velocities(motion.solution.system).items() if name in v}
     result: dict[str, Numbers] = {name: values.copy() for name, values in v.items()}
@@ -179,6 +183,7 @@ def _in_two_doubles(
     p: dict[str, Pair] = {}
     for c in solution.system.coordinates:
         if c.name in shell:
+            # the shell momentum comes from p², which is known relatively; the shift is taken in two doubles
             p[c.name] = Pair(shell[c.name], 0 * shell[c.name])
             if solution.shift[c.name] != 0:
                 moved = _run(motion, (solution.shift[c.name],), pairs, {}, DoubleDouble(), _constant)[0]

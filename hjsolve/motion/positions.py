@@ -49,9 +49,11 @@ def positions_at(
         motion.solution.coordinates, coordinate_motions_of(motion, phases), phases.χ, phases.whole, strict=True
     ):
         q[name], shell[name] = coordinate_motion.place(χ)
+        # only rotations leave their turns in q; a libration is at the same place after each
         whole[name] = coordinate_motion.direction * n if coordinate_motion.rotates else 0 * n
         cycle, domain = coordinate_motion.cycle, motion.solution.system.coordinate(name).domain
         if cycle is not None and cycle.rotates and domain.kind == "line":
+            # along a line p² repeats itself while q goes on
             q[name] = q[name] + cycle.length_of_turns(n, q[name])
     for coordinate in motion.solution.system.coordinates:
         if coordinate.name not in q:
@@ -59,6 +61,7 @@ def positions_at(
     p = canonical_momenta(motion, q, shell, [c.name for c in motion.solution.system.coordinates])
     for coordinate in motion.solution.system.coordinates:
         if coordinate.domain.kind == "angle":
+            # an angle is given in (−π, π]; what was taken away is in ``turns``
             q[coordinate.name], more = principal_values(q[coordinate.name])
             whole[coordinate.name] = whole[coordinate.name] + more
         else:
@@ -160,6 +163,7 @@ def rounding(
     """
     places, fixed = known_along(motion, q, p)
     tape = tape_of(tuple(formulas), (*places, *fixed))
+    # places count as exact here: their own errors are bounded with the slopes (``state_errors``)
     found = bounded_at(tape, list(places.values()), [None] * len(places), list(fixed.values()))
     return [error for _, error in found]
 
@@ -194,6 +198,7 @@ def _grown_from(
     solution, torus = motion.solution, motion.torus
     coordinate = solution.system.coordinate(name)
     if motion.equations is None:
+        # no separated coordinate at all: ignorable ones grow evenly, by ∂H/∂p
         rate = to_bits(sp.diff(solution.separation.shell.potential, coordinate.momentum).subs(motion.initial.values))(
             256
         )
@@ -203,6 +208,7 @@ def _grown_from(
     if torus is not None:
         wave = gauge
         for i, bounded in enumerate(torus.coordinate_motions):
+            # on a torus the mean growth Ω_φ t is apart, reduced by whole turns; here is only what oscillates
             series = oscillation(torus, i, j)
             if not series.constant:
                 wave = wave + _rise(series, phases.χ[i], bounded.start)
@@ -221,6 +227,7 @@ def _grown_from(
             growth = (
                 coordinate_motion.cycle.growth(j) if χ.dtype == object else float(coordinate_motion.cycle.growth(j))
             )
+            # turns of a bounded coordinate next to one that runs away: each adds the growth of its integral
             total = total - n.astype(int) * (turn * growth)
     return grown(begin, 0, phases.time, phases.exact, angle, total)
 
@@ -271,11 +278,13 @@ def grown(
     """
     if exact is not None:
         context = exact[0].context
+        # many digits hold all turns: nothing need be taken out
         values = np.array([begin(context.prec) + rate * t for t in exact], dtype=object) + wave
         return values, np.zeros(len(values), dtype=int)
     if not angle:
         value = grown_by(split(multiprecision(256).mpf(rate)), time, float(begin(256)) + wave)
         return value, np.zeros(value.shape, dtype=int)
     turn = 2 * multiprecision(256).pi
+    # (rate/2π)(t − t₀) in two doubles, whole turns apart: the rest has an absolute error of a few units of 2⁻⁵³
     whole, rest = turns_and_rest(split(rate / turn), time, split(begin(256) / turn))
     return 2 * np.pi * rest + wave, whole

@@ -90,10 +90,12 @@ def separated_motion(
     """
     begins = {name: replace(coordinate_start(solution, initial, name), parts=parts) for name in solution.coordinates}
     located = {name: locate(checked(begin), digits) for name, begin in begins.items()}
+    # in the order of the solution: rows of Jacobi's equations refer to it
     coordinate_motions = [located[name].coordinate_motion for name in solution.coordinates]
     bounded = [stays for c in coordinate_motions if (stays := c.bounded) is not None]
     equations: TorusEquations | TriangularScheme | None = None
     if coordinate_motions and "time" in parts:
+        # angles exist where every coordinate comes back; else the equations are solved one after the other
         equations = (
             torus_equations(bounded, bits_for(digits, 128))
             if len(bounded) == len(coordinate_motions)
@@ -135,6 +137,7 @@ def _with_kinks(solution: Solution, initial: Initial, name: str, kinks: Sequence
     """Return a coordinate along which p² has kinks, cut into intervals on which it is analytic."""
     F, q = solution.momentum_squared[name], solution.system.coordinate(name).symbol
     known = {solution.constants[c].symbol: value for c, value in initial.constants.items()}
+    # everything but q, so that p² at a kink is a number that is decided exactly
     known |= {symbol: value for symbol, value in initial.values.items() if symbol != q}
     cells = []
     ends = domain_ends(solution.system, name, initial.values)
@@ -185,6 +188,7 @@ def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.E
     """Start a motion by one p², analytic in the coordinate."""
     coordinate = solution.system.coordinate(name)
     q, place = coordinate.symbol, initial.values[coordinate.symbol]
+    # 1 − cos q = 2 sin²(q/2): next to a zero of p² at the end of a domain the difference would lose its digits
     F = by_half_angles(with_plain_exponents(squared, initial.values), q)
     constants = tuple(solution.constants[c].symbol for c in solution.constants)
     parameters = tuple(p.symbol for p in solution.system.parameters)
@@ -192,9 +196,11 @@ def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.E
     known |= {s: initial.values[s] for s in parameters}
     F = along_motion(F, q, known | {q: place})
     own = (F, *(sp.diff(F, c) / 2 for c in constants))
+    # coefficients that are exact numbers are rounded once, not term by term
     joined = tuple(with_exact_coefficients(e, q, known) for e in own)
     start = start_at(solution, name, F, known, place, None if joined == own else joined)
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
+    # P = p + A is what goes with p²; its sign says in which direction the coordinate begins
     root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
     forward, radicand = sign(root), start.radicand
     if forward and not solution.system.kinks:
@@ -216,6 +222,7 @@ def _winding(
     rate = radians_of_a_unit(F, q, initial.values)
     if rate is None:
         return None
+    # along a line on which p² repeats itself q becomes an angle, its momentum p/rate
     scale, angle = to_bits(1 / rate), to_bits(initial.values[q] * rate)
     if abs(angle(64)) >= _MOST_ANGLE:
         return None
@@ -247,6 +254,7 @@ def checked(begin: CoordinateStart) -> CoordinateStart:
     if abs(place) >= (_MOST_ANGLE if begin.angle else _FARTHEST):
         cure = "take whole turns off" if begin.angle else "write lengths in another unit"
         raise NotConvergedError(f"q[{begin.name}]: is so far out that doubles cannot tell places apart there; {cure}")
+    # p² = P² ≥ 0 at the start but for contradictions between constants and momenta
     value = begin.radicand.value(place, 256)
     if begin.forward and value < 0:
         raise forbidden(in_its_cell(begin, cell_of(begin, begin.forward)) if begin.cells else begin)
@@ -284,6 +292,7 @@ class ExactZeros:
         number = expanded(self.squared.xreplace(dict(self.values)))
         if not number.is_rational_function(self.variable):
             return []
+        # a triple zero stops the search by exclusion: neither F, F′ nor F″ keeps its sign there
         above = sp.fraction(sp.together(number))[0]
         polynomial = sp.Poly(above, self.variable)
         if not all(c.is_Rational for c in polynomial.coeffs()):

@@ -64,6 +64,7 @@ def tabulated_state(
     )
     if table is None:
         return None
+    # only the extremes: too many turns, or an end of the motion, show there first
     _, whole, ended = table.argument(motion, extremes)
     whole_numbers(whole)
     return _state(_Quantities(motion, table, times, bool(ended.any())), t, shape)
@@ -106,6 +107,7 @@ class TableTimes:
         kernels(self.size)  # what decides whether numba is worth loading is all of them, not a block
         for begin in range(0, self.size, _BLOCK):
             part = slice(begin, begin + _BLOCK)
+            # the argument is made anew for each block: to keep it for all would take more memory than the result
             θ, _, _ = table.argument(self.motion, self._within(part))
             result[part] = table.table.evaluate([quantity], θ)[0]
         return result
@@ -203,6 +205,7 @@ class _Quantities:
         value = self.until_the_end(value)
         if name not in self.angles:
             return value, count
+        # the oscillation may carry an angle over ±π though its growth was reduced
         value, more = principal_values(value)
         return value, count + more
 
@@ -216,6 +219,7 @@ class _Quantities:
         value = self.until_the_end(value)
         if sharp is None or not sharp.any():
             return value
+        # only the times next to a turning point, where a velocity is a small difference
         near = self.table.places(motion, self.arguments[0][sharp])
         return velocities_from_pairs(motion, *near, self.q, {name: value}, sharp)[name]
 
@@ -255,6 +259,7 @@ def end_statuses(motion: SeparatedMotion, time: tuple[Reals, Reals], ended: Mask
     for direction in (1, -1):
         chosen = ended & (direction * time[0] > 0)
         if chosen.any():
+            # panels reach as far as the latest time asked for, so that an end beyond is not missed
             span = 2 * float(np.max(np.abs(time[0][chosen])))
             status[chosen] = "reaches_boundary" if _ends(motion, direction, span) else "not_converged"
     status[ended & (time[0] == 0)] = "reaches_boundary"

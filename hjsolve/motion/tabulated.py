@@ -112,10 +112,12 @@ class DenseOutput:
         torus, scheme = motion.torus, motion.scheme
         if torus is not None:
             turn = 2 * torus.rates[0].context.pi
+            # whole turns are taken out in two doubles before θ becomes an angle: after 10⁹ turns it has all its digits
             whole, rest = turns_and_rest(split(torus.rates[0] / turn), time, split(torus.starts[0] / turn))
             θ = rest
             θ *= 2 * np.pi
             if not self.table.even:
+                # a table over [first, first + 2π): what lies outside is a turn away
                 behind, beyond = θ < self.first, θ >= self.first + 2 * np.pi
                 if behind.any() or beyond.any():
                     shift = behind.astype(int) - beyond
@@ -123,6 +125,7 @@ class DenseOutput:
                     whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)
         coordinate_motion = required(scheme).coordinate_motions[0]
+        # high parts first: their sum may cancel, and the low part keeps its digits
         value = (time[0] + self.begin) + time[1]
         low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
         return (
@@ -151,6 +154,7 @@ def needs_table(motion: SeparatedMotion) -> bool:
     if coordinate_motion is None or not coordinate_motion.tabular:
         return False
     weighted_rate = np.abs(
+        # the least rate of θ over a turn, on 129 phases; of an even motion half a turn is all
         coordinate_motion.weighted_rate(
             (1.0,), np.linspace(0.0 if coordinate_motion.anomaly.even else -np.pi, np.pi, 129)
         )
@@ -190,6 +194,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
     mean = float(coordinate_motion.kernels[0].mean)
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
+    # q next to a turning point is known by its distance from it, where the velocity needs more digits than q has
     ends = (
         (2 + len(names), 3 + len(names))
         if coordinate_motion.anomaly.even and roundings(motion, coordinate_motion)
@@ -219,6 +224,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
         origin=first,
         total=np.pi if even else 2 * np.pi,
         known=lambda χ: _angle(equations.oscillations[0][0], χ),
+        # p may be rounded as far as χ is, whose spacing its slope passes on
         spacings=lambda χ: [0.0, np.abs(coordinate_motion.place(χ)[1]) * coordinate_motion.crowding(χ) / _FINE, *flat],
     )
     begin = np.array([float(coordinate_motion.start)])
@@ -258,6 +264,7 @@ def _scale(motion: SeparatedMotion) -> float:
         return float(np.pi) * float(1 if cycle is None else cycle.radian)
     values = [float(e.value) for e in ends if e is not None]
     domain = motion.solution.system.coordinate(name).domain
+    # a coordinate that never passes zero, such as r, is wanted to relative accuracy
     positive = domain.lower is not None and domain.lower == 0
     if positive or (len(values) == 2 and values[0] * values[1] > 0):
         return 0.0
@@ -280,6 +287,7 @@ def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
     def outputs(y: Reals) -> list[Numbers]:
         return [*coordinate_motion.place(y), *(-coordinate_motion.integral(j, y) for j in indices)]
 
+    # a motion that comes in and goes out on the same branch is even about its turning point
     used = edges[edges >= 0] if reduced else edges
     first = 0.0 if reduced else float(coordinate_motion.integral(0, edges[:1])[0])
     table = tabulate(

@@ -35,7 +35,8 @@ _NEWTON_STEPS = 40
 """A simple zero of F′ takes log₂(bits) of them from nearby; a multiple one gains a bit a step."""
 
 _FEW, _MANY = 32, 120
-"""Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
+"""Nodes above which a second and another change of variable is tried, for a double and half a cycle. 27 motions took 30
+to 50 % longer with half of both, and 3 to 8 % less, no more than the noise, with twice."""
 _MOST_NODES = 20000
 """Nodes above which a motion is given up, for a double."""
 

@@ -1,6 +1,7 @@
 """The rules for second divided differences on two fixed places, over disks and at points in complex doubles.
 
-The formulas are those at the head of ``one_coordinate.regular_factor``.
+The rules are those of ``arithmetic.divided_differences``; here both nodes are turning points, and what depends on them
+alone is known beforehand.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, hull, tighter
+from hjsolve.arithmetic.divided_differences import of_composition, of_product, of_reciprocal
 from hjsolve.arithmetic.number_types import Complexes, N
 from hjsolve.errors import required
 
@@ -53,12 +55,13 @@ class DifferenceRules(ABC, Generic[N]):
     Φ is a function of ``tape.UNARY``, called by its name.
 
     Attributes:
-        plus, times, reciprocal: x + y, x·y and 1/x.
+        add, sub, mul, reciprocal: x + y, x − y, x·y and 1/x.
         call: (name, x) ↦ Φ(x).
     """
 
-    plus: Callable[[N, N], N]
-    times: Callable[[N, N], N]
+    add: Callable[[N, N], N]
+    sub: Callable[[N, N], N]
+    mul: Callable[[N, N], N]
     reciprocal: Callable[[N], N]
     call: Callable[[str, N], N]
 
@@ -107,35 +110,33 @@ class DifferenceRules(ABC, Generic[N]):
 
     def _with_constant(self, code: str, constant: N, f: DividedValues[N]) -> DividedValues[N]:
         if code == "add":
-            return f._replace(here=self.plus(constant, f.here))
-        return DividedValues(*(self.times(constant, part) for part in f))
+            return f._replace(here=self.add(constant, f.here))
+        return DividedValues(*(self.mul(constant, part) for part in f))
 
     def _sum(self, f: DividedValues[N], g: DividedValues[N]) -> DividedValues[N]:
-        return DividedValues(*(self.plus(*parts) for parts in zip(f, g, strict=True)))
+        return DividedValues(*(self.add(*parts) for parts in zip(f, g, strict=True)))
 
     def _product(self, x: EndValues, f: DividedValues[N], g: DividedValues[N]) -> DividedValues[N]:
         lower, upper, chord = self.fixed(x.lower), self.fixed(x.upper), self.fixed(required(x.chord))
-        # (fg)[a, b, q] = f(a) g[a, b, q] + f[a, b] g[b, q] + f[a, b, q] g(q)
-        outer = self.plus(self.times(lower, g.second), self.times(chord, g.from_upper))
+        down, there = (f.here, f.from_upper, f.second), (g.here, g.from_upper, g.second)
         return DividedValues(
-            self.times(f.here, g.here),
-            self.plus(outer, self.times(f.second, g.here)),
-            self.plus(self.times(upper, g.from_upper), self.times(f.from_upper, g.here)),
-            self.plus(self.times(lower, g.from_lower), self.times(f.from_lower, g.here)),
+            self.mul(f.here, g.here),
+            of_product(self, (lower, chord), down, there),
+            of_product(self, (upper,), down, there),
+            of_product(self, (lower,), (f.here, f.from_lower), (g.here, g.from_lower)),
         )
 
     def _inverse(self, x: EndValues, f: DividedValues[N]) -> DividedValues[N]:
-        """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q)), (1/f)[b, q] = −f[b, q]/(f(b) f(q))."""
+        """(1/f)[b, q] = −f[b, q]/(f(b) f(q)), and the second difference by its rule."""
         here = self.reciprocal(f.here)
-        ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
-        minus = self.fixed(-x.lower)
-        inner = self.plus(self.times(self.fixed(required(x.chord)), f.from_lower), self.times(minus, f.second))
-        upper, lower = (self.times(self.fixed(-_DISKS.inverse(end)), here) for end in (x.upper, x.lower))
+        inverses = [_DISKS.inverse(end) for end in (x.lower, x.upper)]
+        known = self.fixed(x.lower), self.fixed(required(x.chord))
+        upper, lower = (self.mul(self.fixed(-inverse), here) for inverse in reversed(inverses))
         return DividedValues(
             here,
-            self.times(self.times(ends, here), inner),
-            self.times(upper, f.from_upper),
-            self.times(lower, f.from_lower),
+            of_reciprocal(self, (*map(self.fixed, inverses), here), known, (f.from_lower, f.second)),
+            self.mul(upper, f.from_upper),
+            self.mul(lower, f.from_lower),
         )
 
     def _unary(self, name: str, x: EndValues, f: DividedValues[N]) -> DividedValues[N]:
@@ -147,16 +148,14 @@ class DifferenceRules(ABC, Generic[N]):
         near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
         fixed = self.fixed(_DISKS.chord(name, x.lower, x.upper, *ends))
         twice = self.bend(name, (a, b, q), fixed, near_a, near_b)
-        # (Φ∘f)[a, b, q] = Φ[f(b), f(q)] f[a, b, q] + f[a, b] f[a, q] Φ[f(a), f(b), f(q)]
-        inner = self.times(self.times(self.fixed(required(x.chord)), f.from_lower), twice)
-        second = self.plus(self.times(near_b, f.second), inner)
-        return DividedValues(here, second, self.times(near_b, f.from_upper), self.times(near_a, f.from_lower))
+        second = of_composition(self, near_b, twice, self.fixed(required(x.chord)), (f.from_lower, f.second))
+        return DividedValues(here, second, self.mul(near_b, f.from_upper), self.mul(near_a, f.from_lower))
 
 
 class OverDisks(DifferenceRules[Disk]):
     """The rules over disks: of several methods for a difference the narrowest result is taken."""
 
-    plus, times = staticmethod(_DISKS.add), staticmethod(_DISKS.mul)
+    add, sub, mul = staticmethod(_DISKS.add), staticmethod(_DISKS.sub), staticmethod(_DISKS.mul)
     reciprocal, call = staticmethod(_DISKS.inverse), staticmethod(_DISKS.unary)
 
     def fixed(self, disk: Disk) -> Disk:
@@ -179,7 +178,8 @@ class OverDisks(DifferenceRules[Disk]):
 class AtPoints(DifferenceRules[Complexes]):
     """The rules at points in complex doubles."""
 
-    plus, times, reciprocal = staticmethod(operator.add), staticmethod(operator.mul), staticmethod(lambda x: 1 / x)
+    add, sub, mul = staticmethod(operator.add), staticmethod(operator.sub), staticmethod(operator.mul)
+    reciprocal = staticmethod(lambda x: 1 / x)
 
     def fixed(self, disk: Disk) -> Complexes:
         """Return the centre of a disk."""

@@ -24,6 +24,7 @@ _FACTOR_DEGREE = 48
 _PANEL_HALVINGS = 200
 """Of one panel, in all; what is beyond the last part that was resolved is not given."""
 _GUARD_BITS = 32
+"""As in ``clenshaw``: beyond the n² roundings of the recurrence."""
 
 
 class OpenBranchIntegrals(Protocol):

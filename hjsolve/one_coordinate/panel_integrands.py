@@ -41,6 +41,7 @@ _ONE = single(1.0, 0.0)
 _FAR, _FARTHER = 100, 116
 """Distances from an end, 2^−…, at which the orders of what vanishes there are taken."""
 _EXACT = 2048
+"""Bits: at u = 2^−``_FARTHER`` powers up to u^16 cancel to 2⁻¹⁸⁵⁶, and leave digits enough to read an order."""
 _HIGHEST = 64
 """Of the orders; what grows or falls faster is not a power."""
 _AWAY = 16.0

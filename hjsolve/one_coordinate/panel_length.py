@@ -30,9 +30,12 @@ from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Reals
 RHO = 5.0
 """Parameter of the ellipses: a series of degree n is right to about ρ^(−n)."""
 _R = (RHO + 1 / RHO) / 2
+"""The longer semiaxis of the ellipse, in half lengths of the panel."""
 RATIO = 2.0**0.5
 """Of the radii of a ring."""
 _ANGLES = 6
+"""Sectors of a half ring: of 30°, so that one is about as long (0.52 of its radius) as it is broad (0.41,
+``RATIO``)."""
 _PARTS = ("inner", "outer", "first", "last")
 
 
@@ -135,6 +138,8 @@ _MOST_NODES = 2.0
 _NOTHING = 1e-290
 """A bound below this is that of an integrand which is 0: the rounding of disks."""
 _LOSS = float(np.log(4 * RHO / (RHO - 1)))
+"""Interpolation in n nodes errs by at most 4 M ρ^(1−n)/(ρ − 1), M being the bound on the ellipse (Trefethen 2013,
+Theorem 8.2); its logarithm, but for M and ρ^(−n)."""
 
 
 class Sizes(NamedTuple):

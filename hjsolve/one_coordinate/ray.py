@@ -18,6 +18,7 @@ from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 
 _MOST_BITS = 65536
+"""Of a turning point: by then zeros nearer to each other than 10⁻⁹⁰⁰⁰ would be told apart, or cannot be."""
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,8 @@
 """The regular factor of p² at complex places: R(q) = −F[a, b, q], the second divided difference on the turning points.
 
-With F(a) = F(b) = 0 it is p² = (q − a)(b − q) R(q). The difference is carried through the formula by Leibniz' rule
-
-    (fg)[b, q] = f(b) g[b, q] + f[b, q] g(q),   (fg)[a, b, q] = f(a) g[a, b, q] + f[a, b] g[b, q] + f[a, b, q] g(q),
-
-and through an elementary function Φ by (Φ∘f)[a, b, q] = Φ[f(b), f(q)] f[a, b, q] + f[a, b] f[a, q] Φ[f(a), f(b), f(q)]
-(Krawczyk & Neumaier, SIAM J. Numer. Anal. 22 (1985) 604). A difference of Φ is a quotient where its points are far
-apart, and a mean value of Φ′ or ½Φ″ over their hull where they are close (Hermite–Genocchi), whichever is known better.
+With F(a) = F(b) = 0 it is p² = (q − a)(b − q) R(q). The difference is carried through the formula by the rules of
+``arithmetic.divided_differences``. One of an elementary function Φ is a quotient where its points are far apart, and a
+mean value of Φ′ or ½Φ″ over their hull where they are close (Hermite–Genocchi), whichever is known better.
 However small b − a is, nothing cancels, and constants added to F do not matter. What depends on a and b alone is worked
 out once; the rest runs over disks, or over points in complex doubles where a few digits are enough.
 """

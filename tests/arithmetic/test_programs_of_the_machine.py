@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import hjsolve
+from hjsolve.arithmetic.divided_differences import SecondDifference
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.machine.writer import InstructionWriter
-from hjsolve.arithmetic.second_differences import SecondDifference
 from hjsolve.ensembles.engine.lowered_solution import lowered_model
 from hjsolve.ensembles.engine.programs import parameter_rows, sides, system_programs
 from hjsolve.ensembles.engine.programs_of_small_motions import has_slopes

@@ -6,9 +6,9 @@ from math import factorial
 
 import numpy as np
 
+from hjsolve.arithmetic.divided_differences import SecondDifferences
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Elementwise
-from hjsolve.arithmetic.second_differences import SecondDifferences
 
 _SERIES = 0.7
 _TERMS = 11

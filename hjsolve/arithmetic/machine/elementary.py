@@ -200,7 +200,7 @@ def _tails(square: float) -> tuple[float, float]:
 
 @of_numbers
 def sincos_bends(x: float, d: float) -> tuple[float, float, float, float]:
-    """Return sin x and cos x, and Φ[x, x, x + d] of both for |d| ≤ 0.7, NaN beyond; see ``second_differences``."""
+    """Return sin x and cos x, and Φ[x, x, x + d] of both for |d| ≤ 0.7, NaN beyond; see ``divided_differences``."""
     s, c = sincos(x)
     even, odd = _tails(-d * d)
     return s, c, -s * even - c * (d * odd), s * (d * odd) - c * even

@@ -19,13 +19,15 @@ from hjsolve.ensembles.charted.momenta_to_32_digits import exact_point, exact_st
 from hjsolve.ensembles.charted.places_and_momenta import SeparatedStarts, carried
 from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.engine import Engine
+from hjsolve.ensembles.engine.program_parts import FINER
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import UNDECIDED, Status
 from hjsolve.errors import required
 
-_FINER = 2.0**-44
 _ERROR_FACTOR = 2  # times first-order bounds, for the terms of second order
 _PHASE, _PART = 2.0, 16.0
+"""Times the bound on dχ/du, whose S is taken from one place; the part of the natural length of u that a motion is taken
+to be as wide as at least."""
 _LEAST, _LARGEST_ERROR = 2.0**-49 * np.pi, 1e-9
 """What the engine counts at least for a phase (``initial_phase``: 8 ε π), and the largest error of an angle let go."""
 _NEAR, _FAR = 64.0, 2.0**16
@@ -177,7 +179,7 @@ def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
             root = exact.roots[row]
             spread[k] = np.where(still, 0.0, _ERROR_FACTOR * exact.uncertainties[row] / (2 * root))
             high[k], low[k] = np.where(still, 0.0, sign * root), np.where(still, 0.0, sign * exact.roots_low[row])
-        uncertainty = np.abs(low) + _FINER * spread
+        uncertainty = np.abs(low) + FINER * spread
         known = np.isfinite(uncertainty) & np.isfinite(high) & np.isfinite(low)
         uncertainty, spread = np.where(known, uncertainty, np.inf), np.where(known, spread, np.inf)
         high, low = np.where(known, high, starts.p), np.where(known, low, 0.0)

@@ -26,6 +26,7 @@ _NEWTON_STEPS = {"ellipsoidal": 3, "paraboloidal": 3, "conical": 3}
 """Newton steps by kind, where it is not one."""
 _ERROR_FACTOR = 2  # times first-order bounds, for the terms of second order
 _CONVERGED = 1e-6
+"""Last step of Newton's method, over 1 + |q|, above which a place is not known: the next one would be below 1e-12."""
 
 
 class SeparatedStarts(NamedTuple):

@@ -34,6 +34,8 @@ GROWTH = 100.0
 """How much larger than on the real axis functions may be in a disk."""
 
 _CELLS = 2 * QUARTER << (63 - DROPPED)
+"""13 bits of the size (11 of the exponent, 2 of the mantissa) and 2 · ``QUARTER`` parts of the half turn: below the
+real axis functions have the conjugate values."""
 _PARTS_OF = 4.0
 """Cells are halved until they are this many times smaller than the radius."""
 _COARSE = 20
@@ -43,6 +45,8 @@ _LONGEST = 40
 _REAL = np.array([0.8, 1.0, 1.25])
 """Where functions are looked at on the real axis, as far from the origin as the disk's centre."""
 _NONE, _UNKNOWN = -1.0, -(1 << 40)
+"""The radius where nothing is known, and where the radii of a cell begin that was not met: the number of a part within
+a cell, below 4^``DEEPEST``, leaves it negative."""
 _Depths = NDArray[np.int8]
 _Often = int | Integers
 _ALL = 1

@@ -17,7 +17,8 @@ from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.starts import Starts
 
 _FARTHEST = 2.0**228
-"""Fourth powers of it, and of its inverse, keep both halves of a pair."""
+"""Fourth powers of it, and of its inverse, keep both halves of a pair: 2^−(4·228) times the 2⁻¹⁰⁶ of a product's error
+is 2⁻¹⁰¹⁸, still a normal number; constants are compared with its square, as they hold q² at least."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ def initial_constants(model: Model, programs: SystemPrograms, starts: Starts) ->
         starts: of n orbits.
     """
     starts = starts.precise()
+    # low parts of p and their bounds are inputs, too: E inherits what velocities leave open
     m, given = len(model.constants), np.concatenate([starts.q, starts.p, starts.low, starts.spread])
     C, L, E, P = np.split(run_rows(programs.start, programs.parameters, given), [m, 2 * m, 3 * m])
     places = [c.index for c in model.separated]
@@ -59,6 +61,7 @@ def initial_constants(model: Model, programs: SystemPrograms, starts: Starts) ->
     C[:, _too_far(starts.q[places], C)] = np.nan
     uncertainty, p = starts.uncertainty[places], starts.p[places]
     with np.errstate(all="ignore"):
+        # relative to P, because the phase of a start next to a turning point is read off P
         lost = np.where(uncertainty > 0, uncertainty / np.abs(p), 0.0)
     return InitialConstants(starts.q[places], P, starts, C, L, E, lost)
 

@@ -100,6 +100,7 @@ def _table(places: tuple[Any, Any, Any, Any], χ: Reals, below: int, *, real: bo
     n = len(χ)
     parts = np.stack([part for z in places for part in (np.real(z), np.imag(z))]).astype(float)
     # alternating signs: the mean over every other step less that over all
+    # the difference is exact for what both sums resolve: it shows the first coefficients that the fewer miss
     turned = np.where(np.arange(n) % 2 == 0, 1.0, -1.0) / n
     none = 0.0 * turned
     weights = [turned, none, turned * np.cos(χ), none] if real else [
@@ -107,6 +108,7 @@ def _table(places: tuple[Any, Any, Any, Any], χ: Reals, below: int, *, real: bo
     ]  # fmt: skip
     rows = np.ascontiguousarray(np.stack(weights))
     some = np.ascontiguousarray(parts[:, ::_SAMPLED])
+    # of the sampled steps: ``below`` is a multiple of four, or all
     fewer = -(-below // _SAMPLED)
     return PathTable(parts, rows, np.array([below])), PathTable(some, rows, np.array([fewer]))
 

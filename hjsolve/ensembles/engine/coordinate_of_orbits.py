@@ -54,6 +54,7 @@ class CoordinateOfOrbits:
 
     def take(self, index: Integers) -> CoordinateOfOrbits:
         """Return some of the orbits."""
+        # all of them, in order: nothing need be copied
         if len(index) == len(self.q) and bool((index == np.arange(len(index))).all()):
             return self
         constants, low, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.low, self.uncertainty))
@@ -104,5 +105,6 @@ def place(formula: LoweredFormula, x: Reals) -> Reals:
         formula: with its origin.
         x: offsets, shape (n,).
     """
+    # the low part of the origin first: it is as small as what x may be next to an end
     found: Reals = formula.origin.high + (formula.origin.low + formula.sign * x)
     return found

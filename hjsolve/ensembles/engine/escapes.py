@@ -42,7 +42,10 @@ _MOST_FIRST_CELLS = 10
 """Of the length of the cell next to a turning point, each a fourth of the last."""
 
 _MIXED = 0.5
+"""Powers of two that a constant of both signs counts as: it is divided before one that spans more than √2 of one sign
+only if nothing else does, since the energy, which leads p² at infinity, has one sign."""
 _BITS = 256
+"""Of the ends of a box: those are doubles, so that rounding at 2⁻²⁵⁶ widens a box by nothing that matters."""
 
 
 @dataclass(frozen=True)

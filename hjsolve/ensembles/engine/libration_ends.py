@@ -14,6 +14,8 @@ from hjsolve.ensembles.engine.kernels.crowding import EVEN
 from hjsolve.ensembles.engine.node_maps import NodeMaps, fitting, views
 
 _NEAR = 3.0
+"""W over the distance of what is next to a turning point, minus 1, from which it counts. Without such a thing p² is
+nearly quadratic, W S′/S ≈ ∓1, and the measure is of the curvature of S alone."""
 _STRETCHED = 16.0
 """(1 + ρ_d)(1 + ρ_c) from which on nodes are stretched; below, crowded ones do as well."""
 

@@ -123,6 +123,7 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
     parameters = [p.symbol for p in system.parameters]
     constants = [c.symbol for c in solution.constants.values()]
     start = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates] + parameters
+    # constants and p² of all orbits are one program each: parameters stay inputs, so a new value makes none
     rule = lower([with_plain_exponents(c.expression, values) for c in solution.constants.values()], start)
     momenta = {c.momentum: c.momentum for c in system.coordinates}
     shift = lower([solution.shift[n].subs(momenta) for n in solution.coordinates], start)
@@ -169,6 +170,7 @@ def _separated(
     (constants, parameters), values = symbols, dict(known)
     q, name = coordinate.symbol, coordinate.name
     F = without_removable_poles(with_plain_exponents(shell[0], values), q)
+    # ½ ∂p²/∂c = p ∂p/∂c: the integrand of ∂J/∂c times p, which has no pole at a turning point
     kernels = [sp.diff(F, c) / 2 for c in constants]
     parts = _parts(F, constants)
 
@@ -197,12 +199,14 @@ def _separated(
         return formula(end, sign, lambda e: multiplied_out(e.subs(q, end + sign * q), q))
 
     plain = formula(sp.Integer(0), 1, lambda e: e)
+    # a rotation needs the period of p² along q: 2π of an angle, any other along a line
     radians = radians_of_a_unit(F, q, values) if domain.kind == "line" else None
     turns = domain.kind == "angle" or radians == 1
     angle = turns and periodic(plain.squared, values, constants, parameters)
     repeats = radians is not None and not angle
     open_ = lower_end is None and upper_end is None
     same = open_ or (lower_end is not None and upper_end is not None and sp.expand(lower_end + upper_end) == 0)
+    # p² even about the middle of its domain: half of the nodes serve
     even = bool(same and not angle and sp.expand(F.subs(q, -q) - F) == 0)
     below, above = from_end(lower_end, 1), from_end(upper_end, -1)
     return Separated(name, index, plain, below, above, angle, repeats, shell[1], even)
@@ -285,6 +289,7 @@ def periodic(
             here, there = (squared.run(arithmetic, [x, *inputs])[0] for x in (q, q + turn))
         except (InvalidInputError, ZeroDivisionError):
             return False
+        # 160 bits compared to 120: a formula with arbitrary constants is not equal at three places by chance
         if abs(here - there) > arithmetic.convert(2.0**-120) * (abs(here) + abs(there)):
             return False
     return True

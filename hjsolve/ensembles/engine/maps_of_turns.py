@@ -18,6 +18,7 @@ COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 
 """Numbers of nodes over half a turn."""
 
 _WIDEST = 2 * COUNTS[-1]
+"""Nodes of a whole turn: the length of a row of the tables."""
 _ONE_AT_A_TIME = Lock()
 
 
@@ -40,6 +41,7 @@ class TurnMaps:
         """
         found = self._places[several, level]
         if (found < 0).any():
+            # asked again inside: another thread may have added the map while this one waited
             with self._lock:
                 for k, other in sorted({*zip(several[found < 0].tolist(), level[found < 0].tolist(), strict=True)}):
                     if self._places[k, other] < 0:
@@ -52,11 +54,13 @@ class TurnMaps:
         for k, count in enumerate(COUNTS):
             nodes = rotation_nodes(2 * count, level, 1 + several)
             angle[0, k, : 2 * count] = nodes.low
+            # dθ/dχ = (2K/π) dn: the weight of a node
             speed[0, k, : 2 * count] = 2 * nodes.quarter / np.pi * nodes.high
         row = np.array([[0.0, 0.0, nodes.quarter, nodes.complement, np.sqrt(nodes.complement), 1.0 + several]])
         old = self.tables
         joined = (np.concatenate(both) for both in ((old.maps, row), (old.angle, angle), (old.speed, speed)))
         maps, angles, speeds = joined
+        # one assignment of a new object: readers see the old tables or the new ones, never half of them
         self.tables = old._replace(maps=maps, angle=angles, speed=speeds)
         self._places[several, level] = len(maps) - 1
 

@@ -29,9 +29,15 @@ SAMPLES, STRETCHED_SAMPLES, BARRIER_TOP_SAMPLES = 4, 12, 13
 
 _WIDEST = COUNTS[-1]
 _FIRST = np.concatenate([[0], np.cumsum(COUNTS)])
+"""The length of a row of the tables, and where the nodes of each size begin."""
 _WARPED = 5
+"""Elliptic maps have k′ = 2⁻⁵ and less, as k′² = 2^−(i + j): above, their nodes lie as near to the ends as crowded
+ones."""
 _MARGIN = 0.04
+"""Distance of the first sample from the turning point, in spacings: p² is 0 at the end itself, and what rounding does
+to it infinitely large. Tested: half and twice of it change no claim of 20 000 orbits by 2 %."""
 _FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
+"""Which end most nodes are seen from; the numbers that the kernels know."""
 _ONE_AT_A_TIME = Lock()
 _TALL = 100.0
 """How much larger p² may be next to one end than next to the other before that end is only seen from close by."""

@@ -83,9 +83,11 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
     Args:
         level: l in k′² = 4^−l; 0 for the circular functions.
     """
+    # an even motion repeats itself after half of the half period: series go in 2χ
     symmetry = 2 if node_map >= EVEN else 1
     χ = equal_anomalies(count, symmetry * count)
     quarter = float(_moduli(level)[1].high)
+    # worked out when first asked for: most orbits need a few of the tables
     functions = partial(_functions_at, χ, level, node_map)
     return Nodes(χ.high, symmetry, 4.0**-level, quarter, CLUSTERINGS[node_map], functions)
 

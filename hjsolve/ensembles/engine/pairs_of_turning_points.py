@@ -14,6 +14,7 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place
+from hjsolve.ensembles.engine.program_parts import FINER
 from hjsolve.ensembles.engine.programs import sides
 
 _NEWTON = 4
@@ -23,7 +24,7 @@ _NEWTON = 4
 def in_doubles(one: CoordinateOfOrbits) -> Reals:
     """Return bounds on the errors that the constants have in doubles, of which 32 digits leave a part."""
     # the bound is |low| and 2⁻⁴⁴ of what doubles lose: the latter is undone here, for programs in doubles
-    return one.uncertainty + np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44
+    return one.uncertainty + np.maximum(one.uncertainty - np.abs(one.low), 0.0) / FINER
 
 
 def in_two_doubles(one: CoordinateOfOrbits, side: int, x: Reals, steps: int = _NEWTON) -> tuple[Pair, Reals, Reals]:

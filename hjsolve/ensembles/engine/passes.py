@@ -27,6 +27,7 @@ TOLERANCE = 1e-10
 """Largest claimed relative error with which an orbit is called ``OK``; of an angle, relative to ten radians."""
 
 _RADIANS = 10.0
+"""What the error of an angle is over: θ runs to 2π, and next to 0 a relative error would say nothing."""
 TIMED = frozenset({"frequencies", "periods", "angles"})
 
 Names = dict[str, tuple[str, ...]]

@@ -101,10 +101,12 @@ class PlacedLibrations:
         self._enlarge(again, open_[again])
         size = self.sizes[left]
         circles, strips = steps(η), (_STEPS_A_NODE[min(attempt, 1)] * np.array(COUNTS)[size]).astype(np.int64)
+        # seen from the nearer end of the domain, whose offset has the more digits
         view = (np.abs(self.offsets[1, left]) < np.abs(self.offsets[0, left])) & (self.formulas[1].sign < 0)
         far = np.abs(self.offsets[::-1, left]) > _FAR * (np.abs(self.offsets[:, left]) + self.width[left])
         side = np.where(far[0], 0, np.where(far[1], 1, 2))
         code = np.where(round_, -1 - 2 * circles - view, 3 * (self.maps[left] * len(COUNTS) + size) + side)
+        # orbits with the same steps share a table and one call of the kernel
         order = np.argsort(code, kind="stable")
         for group in np.split(order, np.flatnonzero(np.diff(code[order])) + 1):
             if not len(group):
@@ -135,6 +137,7 @@ class PlacedLibrations:
         """How far in η a circle is from the motion and from what is next, rounded down; and ln 2ρ/h, or −ρ."""
         h, radius = self.width[left] / 2, self.radius[left]
         with np.errstate(all="ignore"):
+            # elliptic coordinates: a disk of radius R about the middle holds the ellipse cosh η = R/h with foci ±h
             farthest = np.arccosh(np.maximum(radius / h, 1 + 1e-12))
             away = part * np.maximum(farthest / 2, farthest - _FROM_END)
             away = np.where(np.isfinite(away), away, part * _SMALL)
@@ -204,9 +207,11 @@ def _room(coordinate: Separated, motions: Motions, bends: Reals) -> Reals:
         gaps.append(h + np.where(np.isfinite(beyond), beyond, np.inf))
     for formula, x in ((coordinate.lower, motions.lower), (coordinate.upper, motions.upper)):
         if formula is not None:
+            # the end of the domain, x = 0 of this view, as seen from the middle
             gaps.append(np.abs(x) + h)
     clear = (coordinate.lower or coordinate.plain).clearance.radius(middle)
     gaps.append(np.where(clear > h, clear, np.inf))
     radius = np.minimum.reduce(gaps)
+    # nothing is seen at all, as of an oscillator: any circle serves that is not much larger than its scale
     unbounded = np.maximum(4 * h, np.maximum(1.0, np.abs(middle) / 2))
     return np.where(np.isfinite(radius), radius, unbounded)

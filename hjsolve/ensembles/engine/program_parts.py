@@ -12,6 +12,9 @@ from hjsolve.arithmetic.running_error import WithErrorBound
 ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 """Operations of tapes for which every arithmetic has rules."""
 
+FINER = 2.0**-44
+"""What 32 digits lose, over the running error in doubles: 2⁻¹⁰⁴ an operation (Hida, Li and Bailey 2001) over 2⁻⁵³ is
+2⁻⁵¹; 2⁷ operations may add up, or terms of second order that a running error leaves out."""
 PLACE = 2 * UNIT
 """Roundings of a place."""
 

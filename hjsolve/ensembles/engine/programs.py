@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from hjsolve.arithmetic.divided_differences import FUNCTIONS as CHORDS
-from hjsolve.arithmetic.divided_differences import FirstDifferences
+from hjsolve.arithmetic.divided_differences import WITH_FIRST, FirstDifferences
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.jet import Jet, Jets
@@ -22,11 +21,11 @@ from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode, Va
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
-from hjsolve.ensembles.engine.program_parts import ARITHMETIC, MADE, PLACE, ParameterRows, error_of, filled
+from hjsolve.ensembles.engine.program_parts import ARITHMETIC, FINER, MADE, PLACE, ParameterRows, error_of, filled
 from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, small_programs
 
-_RELATIVE, FINER = 4 * UNIT, 2.0**-44
-"""Relative error of F from 32 digits, and the part of what doubles lose that 32 digits may lose."""
+_RELATIVE = 4 * UNIT
+"""Relative error of F from 32 digits: it is rounded once to a double; three units are to spare."""
 
 
 def sides(coordinate: Separated) -> tuple[LoweredFormula, LoweredFormula]:
@@ -137,7 +136,7 @@ def _view(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
     parts = _jet(writer, squared, constants, parameters)
     # F[b, b + d] where all functions of p² have a rule; else F as it is written, with the bound that this has
     chorded = kernels and (
-        bool(squared.operations) and {operation.code for operation in squared.operations} <= CHORDS | ARITHMETIC
+        bool(squared.operations) and {operation.code for operation in squared.operations} <= WITH_FIRST | ARITHMETIC
     )
     return ViewPrograms(
         bend=writer.code(parts),
@@ -159,6 +158,7 @@ def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
         (F,) = squared.run(chords, [chords.variable(b, x), *map(chords.constant, known)])
         # F(b) = 0: F = d F[b, b + d], which keeps its relative accuracy down to d = 0
         square = writer.mul(d, F.slope)
+        # kernels do not vanish at a turning point: they are taken at x itself, as written
         _, *weights = full.run(writer, [x, *known])
     else:
         square, *weights = (full if kernels else squared).run(writer, [x, *known])
@@ -185,6 +185,7 @@ def _relative(squared: Tape, constants: int, parameters: int) -> MachineCode:
     inputs = [chords.variable(WithErrorBound(b), WithErrorBound(x, rounding_error))]
     inputs += [chords.constant(WithErrorBound(c)) for c in known]
     inputs += [chords.constant(x) for x in numbers.rounded]
+    # the bound on F[b, b + d] over its size: d is exact, so that of F is the same
     slope = squared.run(chords, inputs)[0].slope
     return writer.code([writer.div(writer.unary("abs", error_of(writer, slope)), writer.unary("abs", slope.value))])
 
@@ -243,6 +244,7 @@ def _exact_errors(
     rounding_error = writer.mul(writer.number(PLACE), writer.unary("abs", place))
     known = [*map(WithErrorBound, rows[:constants], e), *numbers.rounded]
     inputs = [WithErrorBound(place, rounding_error), *known]
+    # one run in doubles bounds the kernels, and by ``FINER`` of it what p² loses in 32 digits
     approximate, *others = (full if kernels else squared).run(RunningError(writer, own=ROUNDINGS), inputs)
     jets = Jets(writer)
     known_ = [*rows[:constants], *numbers.plain]

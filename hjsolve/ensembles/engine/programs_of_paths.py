@@ -63,6 +63,7 @@ def path_programs(
     exponents = {s: v for s, v in values.items() if s not in varied}
     F = with_plain_exponents(solution.momentum_squared[name], exponents)
     F = without_removable_poles(F, coordinate.symbol)
+    # parameters that are not varied stay inputs: a new value of them makes no program
     counts = len(variables.constants), variables.count
     fixed = tuple(p.symbol for p in system.parameters if p.symbol not in varied)
     ends = (coordinate.domain.lower, 1), (coordinate.domain.upper, -1)
@@ -83,6 +84,7 @@ def _differentiated(
     # exponents that are varied are numbers only after the derivatives are taken
     seen = [with_plain_exponents(e, dict(numbers)) for e in (F, *first, *second)]
     if end is not None:
+        # from the end of a domain, as in ``lowered_solution``: a pole there is a power of x
         seen = [multiplied_out(e.subs(q, end + sign * q), q) for e in seen]
     return lower(seen, [q, *symbols, *fixed])
 
@@ -106,6 +108,7 @@ def _means(tape: Tape, constants: int, varied: int, parameters: int) -> MachineC
         # J_jk: (½ F_jk − ¼ F_j F_k/F) r, see ``contour_integrals``
         found.append(a.sub(a.mul(half, a.mul(f, r)), a.mul(a.mul(others[j], part), others[k])))
     zero = writer.number(0.0)
+    # a real constant has no imaginary part to write; all rows have two
     parts = [part for f in (r, *found) for part in (f.re, zero if f.im is None else f.im)]
     return writer.code([*parts[:2], a.mul(F, r).re, *parts[2:]])
 
@@ -122,6 +125,7 @@ def _bounds(tape: Tape, constants: int, varied: int, parameters: int) -> Machine
     zero, half, quarter = (writer.number(x) for x in (0.0, 0.5, 0.25))
     sizes = [plain.unary("abs", f.value).re for f in results]
     errors = [zero if f.error is None else f.error.re for f in results]
+    # bounds need only sizes: |r| = |t|/√|F|, real arithmetic
     root = writer.unary("sqrt", sizes[0])
     r = writer.div(plain.unary("abs", ComplexValue(tr, ti)).re, root)
     relative = writer.div(errors[0], sizes[0])  # δr = ½ r δF/F
@@ -139,7 +143,9 @@ def _bounds(tape: Tape, constants: int, varied: int, parameters: int) -> Machine
     for (j, k), size, error in own:
         (f, g), (e, d) = ((x[1 + j], x[1 + k]) for x in (sizes, errors))
         flat, steep = mul(half, mul(size, r)), mul(part, mul(f, g))
+        # δ(½ F_jk r) + δ(¼ F_j F_k r/F), but for δF
         bound = add(mul(half, mul(error, r)), mul(part, add(mul(e, g), mul(f, d))))
+        # r ~ F^−½ and r/F ~ F^−3/2: half and three halves of δF/F
         bound = add(bound, mul(relative, add(mul(half, flat), mul(writer.number(1.5), steep))))
         put(add(flat, steep), bound)
     return writer.code([*map(add, bounds, (mul(rounded, x) for x in total)), *total])

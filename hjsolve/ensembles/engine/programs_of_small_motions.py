@@ -1,4 +1,4 @@
-"""The programs of small motions, seen from the start q₀ by second differences (``arithmetic.second_differences``).
+"""The programs of small motions, seen from the start q₀ by second differences (``arithmetic.divided_differences``).
 
 F(q₀ + x) = P₀² + x (F′₀ + x F[q₀, q₀, q₀ + x]) keeps its digits where F hardly differs from its top.
 """
@@ -9,14 +9,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+from hjsolve.arithmetic.divided_differences import WITH_SECOND, SecondDifference, SecondDifferences
 from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.machine.elementary import ROUNDINGS
 from hjsolve.arithmetic.machine.pair_writer import PairOfValues, PairWriter
 from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode, Value
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
-from hjsolve.arithmetic.second_differences import FUNCTIONS as SLOPES
-from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.program_parts import ARITHMETIC, MADE, PLACE, ParameterRows, error_of, filled
@@ -29,8 +28,8 @@ _ROUNDED, _OFFSETS = 6 * UNIT, 16 * UNIT
 
 
 def has_slopes(formula: LoweredFormula) -> bool:
-    """Tell whether F[q₀, q₀, q] has (``second_differences``), so that small motions can be seen from their start."""
-    return {operation.code for operation in formula.squared.operations} <= SLOPES | ARITHMETIC
+    """Tell whether F[q₀, q₀, q] has a rule, so that small motions can be seen from their start."""
+    return {operation.code for operation in formula.squared.operations} <= WITH_SECOND | ARITHMETIC
 
 
 @dataclass(frozen=True)

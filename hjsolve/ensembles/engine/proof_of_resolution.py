@@ -19,16 +19,18 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Complexes, Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.kernels.clearance_tables import glances
+from hjsolve.ensembles.engine.kernels.clearance_tables import NOT_COVERED, UNTOLD, glances
 from hjsolve.ensembles.engine.kernels.types import Clearances, Motions
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps
 
-_NOT_COVERED, _UNTOLD = -3, -2
 _FIRST = 64
 """Orbits for which a table of clearances is filled before the others are looked at again."""
 
 _NARROW = 0.03
+"""Width of a motion over its distance from the origin: sixteen of the narrowest cells of a table, which are 2⁻⁹ of that
+(two bits of the size, halved ``DEEPEST`` times). A wider motion is told by its cells."""
 _ALONG = np.linspace(-0.5, 0.5, 5)
+"""Places of a motion from end to end, at which functions are looked at next to its disk."""
 _HELD = COUNTS.index(40)
 """Size of the tables for which a small motion gets a disk of its own."""
 
@@ -100,17 +102,17 @@ class ResolutionProof:
             low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
             glances(self.motions, left, maps, todo, known, span, self.maps.strips, low, high, least)
             found = least[todo]
-            bare = todo[found == _NOT_COVERED]
+            bare = todo[found == NOT_COVERED]
             # strips are covered as they are met, once for all orbits
             for map_, size in set(zip(maps[bare].tolist(), span[0, bare].tolist(), strict=True)):
                 self.maps.cover(map_, size)
-            untold = todo[found == _UNTOLD][:block]
+            untold = todo[found == UNTOLD][:block]
             filled = untold * len(COUNTS) + span[0, untold]
             if len(filled) and np.array_equal(filled, last):  # places on the edge of a cell, which roundings move
                 least[untold] = -1
             last = filled
             self._fill(left[untold], maps[untold], span[0, untold])
-            todo = todo[(least[todo] == _UNTOLD) | (least[todo] == _NOT_COVERED)]
+            todo = todo[(least[todo] == UNTOLD) | (least[todo] == NOT_COVERED)]
             # the first orbits fill most of the table for the others
             block *= 4
         return least

@@ -19,6 +19,7 @@ from hjsolve.ensembles.engine.kernels.turn_integrals import rotations as integra
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.maps_of_turns import COUNTS, turn_maps
 from hjsolve.ensembles.engine.nodes import rotation_nodes
+from hjsolve.ensembles.engine.program_parts import FINER
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.engine.rotation_anomalies import SlowPlaces, slow_places
 from hjsolve.ensembles.engine.strips_of_analyticity import covered_turn
@@ -26,12 +27,16 @@ from hjsolve.ensembles.engine.turned_circle import moved_disks
 
 _POINTS = 32
 _GRID = np.pi * (1 + 2 * np.arange(_POINTS) / _POINTS)
+"""Where p² > 0 is looked at: the grid proposes, the nodes prove. Half and twice as many change no status."""
 _CROWDED = 28, 7
-"""Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried."""
+"""Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried. Half and twice of
+either change last bits and no time."""
 _FIRST = 32
+"""Nodes that circular anomalies are tried with first: fewer suffice for p² that hardly varies, and cost as much."""
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
 """The nodes needed grow nearly like the fraction of the radius that is missing, at least with this power; for stretched
-anomalies, and where nothing is known, as if the share were 0.4 at least. Twice as many as there are is too many."""
+anomalies, and where nothing is known, as if the fraction were 0.4 at least. Twice as many as there are is too many.
+Half and twice of each change no bit of 24 000 orbits."""
 _CLOSE = 0.5
 """A fraction of a coarse cover from which on a finer one may be enough."""
 _NODES = 1 << 20
@@ -91,7 +96,7 @@ def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely
     least = _least(sides(one.coordinate)[0].clearance, slow, direction)
     zero = 0.0 * slow.centre
     # the bound that programs in doubles need, as in ``librating``
-    lost = np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44  # by doubles, of the constants
+    lost = np.maximum(one.uncertainty - np.abs(one.low), 0.0) / FINER  # by doubles, of the constants
     known = [*one.constants, *one.low, slow.centre, zero, slow.centre, zero] if finely else one.constants
     motions = Rounds(
         centre=slow.centre, left=one.q - slow.centre, opposite=slow.opposite, ratio=slow.ratio, direction=direction,

@@ -23,6 +23,7 @@ Jet = Callable[[Reals], tuple[Reals, Reals, Reals]]
 """F, F′ and F″ at a place of each of n orbits."""
 
 _FARTHEST_STEP = 0.2
+"""Of Newton's method, radians: the spacing 2π/32 of the grid it begins on. Farther away another point is nearer."""
 _AWAY = 3
 """Points of the grid from the slow place on at which another one may be."""
 

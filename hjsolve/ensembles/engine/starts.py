@@ -20,8 +20,7 @@ from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode
 from hjsolve.arithmetic.number_types import Reals, Which
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
-
-_FINER = 2.0**-44
+from hjsolve.ensembles.engine.program_parts import FINER
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,7 @@ class MomentumRule:
         Args:
             q, velocity: of all coordinates, shape (coordinates, n).
         """
+        # a parameter is known to half a unit of its double; the error goes into the bound
         known = [x for pair in self.numbers for x in (float(pair.high), UNIT * abs(float(pair.high)))]
         return self._run(_rounded(self.tape, len(self.numbers)), known, q, velocity)
 
@@ -66,6 +66,7 @@ def _rounded(tape: Tape, parameters: int) -> MachineCode:
     given = [WithErrorBound(x) for x in writer.inputs(len(tape.inputs) - parameters)]
     known = [WithErrorBound(writer.parameter(), writer.parameter()) for _ in range(parameters)]
     found = tape.run(RunningError(writer, own=ROUNDINGS), [*given, *known])
+    # a momentum that is a velocity itself has no rounding, and its bound is none
     errors = [writer.number(0.0) if p.error is None else p.error for p in found]
     return writer.code([*(p.value for p in found), *errors])
 
@@ -113,11 +114,12 @@ class Starts:
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
+        # momenta that were given are the doubles they are: there is nothing to sharpen
         if self.rule is None or self.velocity is None:
             return self
         p, low = self.rule.exactly(self.q, self.velocity)
         # p alone lacks its low part; both together lack 2⁻⁴⁴ of what doubles lose
-        return replace(self, p=p, low=low, uncertainty=np.abs(low) + _FINER * self.spread)
+        return replace(self, p=p, low=low, uncertainty=np.abs(low) + FINER * self.spread)
 
 
 def given_momenta(q: Reals, p: Reals) -> Starts:

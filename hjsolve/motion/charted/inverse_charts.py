@@ -48,6 +48,7 @@ def inverse_chart(
 
 def _inverse(kind: str, X: Point, aside: Point, lengths: Lengths, c: _Formulas) -> list[Elementwise]:
     ρ = c.hypot(X[0], X[1])
+    # on the axis the azimuth is that in which the motion leaves it
     azimuth = c.atan2(c.where(ρ != 0, X[1], aside[1]), c.where(ρ != 0, X[0], aside[0]))
     if kind in ("polar", "circular cylinder"):
         return [ρ, azimuth, *X[2:]]
@@ -101,6 +102,7 @@ class _Formulas:
 
     def two_roots(self, total: Elementwise, product: Elementwise) -> tuple[Elementwise, Elementwise]:
         """(s, k) ≥ 0 with s − k = total, s·k = product ≥ 0; neither cancels."""
+        # the root without cancellation, and the other one as the product over it
         larger = (abs(total) + self.sqrt(total**2 + 4 * product)) / 2
         smaller = self.over(product, larger, 0)
         return self.where(total >= 0, larger, smaller), self.where(total >= 0, smaller, larger)
@@ -108,7 +110,9 @@ class _Formulas:
     def three_roots(self, total: Elementwise, pairs: Elementwise, product: Elementwise) -> list[Elementwise]:
         """Return the real roots of s³ − total·s² + pairs·s − product, rising, by the cosine of a third."""
         middle, width = total / 3, self.sqrt(self.at_least(0, total**2 - 3 * pairs))
+        # Viète: all three roots are real, as they are squares of coordinates up to a shift
         cosine = self.over(2 * total**3 - 9 * total * pairs + 27 * product, 2 * width**3, 1)
+        # rounding may carry the cosine beyond ±1 where two roots are the same
         angle, turn = self.of("acos", -self.at_least(-1, -self.at_least(-1, cosine))), 2 * self.arithmetic.pi()
         return [middle + 2 * width / 3 * self.of("cos", (angle + shift * turn) / 3) for shift in (1, 2, 0)]
 
@@ -155,6 +159,7 @@ def _conical(X: Point, lengths: Lengths, c: _Formulas) -> list[Elementwise]:
     high, low = c.two_roots((e3 - e1) * n[0] ** 2 - first + second * n[1] ** 2, first * second * n[1] ** 2)
     cosine = c.root(low / first)
     sine = c.over(n[1], cosine, c.root(high / second))
+    # by tangents: an arcsine next to ±1 would have half of the digits
     χ = c.atan2(n[0] * scale / c.sqrt(first + high), cosine)
     return [r, χ, c.atan2(sine, n[2] * scale / c.sqrt(second + low))]
 
@@ -175,6 +180,7 @@ def _ellipsoidal(X: Point, lengths: Lengths, c: _Formulas) -> list[Elementwise]:
     size = whole + sum(squares)
     cosine, other = c.root((b[1] - u) / first, size / first), c.root((b[2] - v) / second, size / second)
     high = c.at_least(0, w - b[2]) / second
+    # bounds of the intervals u < a₂ < v < a₃ < w, which rounding may leave
     above, below = c.at_least(first, v - b[0]), c.at_least(second, b[2] - u)
     χ = c.atan2(x[0] / c.sqrt(above * (w - b[0]) / whole), cosine)
     sine = c.over(x[1], cosine * c.sqrt((1 + high) * second), c.root((v - b[1]) / second, size / second))

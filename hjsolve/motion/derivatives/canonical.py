@@ -147,17 +147,21 @@ class ConstantsToState:
             x, y, τ = self._beside_rest(part, (χ[i][m], int(whole[i][m]), float(errors[i][m])), (nf + r, n + nf + r))
             moved = Bounded.exact(np.array(part.place_by(), dtype=object))  # type: ignore[union-attr]
             dq[i], dP[i] = x + moved @ Z, y
+            # W of the coordinate at rest is ½ τ max F next to what is linear: by a twice, ½ τ (max F)_jk
             law = law - Bounded(T.value @ self._tops(part) @ Z.value, np.zeros(law.error.shape)) * _scaled(τ, law)
+            # the constants move q⁰, the place of rest, and y q⁰_a is what a translation by it adds to β_a
             law = law + outer(T @ moved[: T.value.shape[1]], y)
         rates = []
         for own in slopes:
             if own is not None:
+                # dβ − (G_j)_k dα_k, what Jacobi's equations leave for the phases
                 law = law - T @ own.integrals[:, :, m] @ Z
                 rates.append(T @ own.rates[:, m])
         moving = [i for i in range(len(names)) if i not in rest]
         separate, ignored = self._laws()
         if moving:
             G = stacked(rates, 1)
+            # as many equations as phases: those of ignorable momenta only say where the ignorable coordinates are
             dχ = _solved(G[separate], law[separate], c)
             law = law - G @ dχ
             for row, i in enumerate(moving):
@@ -173,6 +177,7 @@ class ConstantsToState:
         c, (χ, turns, error) = self.context, phase
         gone = c.convert(χ) + 2 * c.pi * turns - c.convert(part.coordinate_motion.start)
         τ, now = part.flow(gone)  # type: ignore[union-attr]
+        # the error of the phase counts with the rate of the flow, a difference over 2⁻⁶⁰ in numbers of many more bits
         _, later = part.flow(gone + c.mpf(2.0**-60))  # type: ignore[union-attr]
         columns = 2 * self.freedoms + len(self.variables.parameters)
         rows = []
@@ -225,6 +230,7 @@ class ConstantsToState:
                 places_moved = stacked([q[name] for name in names])
                 q[coordinate.name] = q[coordinate.name] + shift.law_by_place[k] @ places_moved + shift.law_by[k] @ Z
         if shift is not None:
+            # p = P − A(q; c, λ)
             moved = stacked([q[name] for name in names])
             for i, name in enumerate(names):
                 p[name] = p[name] - shift.by_place[i] @ moved - shift.by[i] @ Z
@@ -271,6 +277,7 @@ def canonical_map(
             )
     momenta = {c.momentum.name for c in source.solution.system.coordinates if c.name not in source.solution.coordinates}
     candidates = [j for j, name in enumerate(variables.constants) if name not in momenta]
+    # dF_i = 0 ties one constant to the others for each coordinate at rest; the largest slopes are divided by
     slaved = _pivots([[part.at.by[j] for j in candidates] for part in rest])
     bound = [candidates[k] for k in slaved]
     free = tuple(j for j in range(n) if j not in bound)
@@ -282,6 +289,7 @@ def canonical_map(
     if rest:
         own = Bounded.exact(np.array([[context.convert(part.at.by[j]) for j in bound] for part in rest], dtype=object))
         others = np.array([[context.convert(part.at.by[b]) for b in range(n + m)] for part in rest], dtype=object)
+        # implicit functions: ∂α_bound/∂a = −(∂F/∂α_bound)⁻¹ ∂F/∂a
         T[bound, :] = -(inverse(own, context).value @ others @ T)
     shift = shift_tape(source.solution, variables)
     return ConstantsToState(source, variables, tuple(parts), free, Bounded.exact(T), shift, context)
@@ -372,6 +380,7 @@ def shift_tape(solution: Solution, variables: VariedSymbols) -> Tape | None:
     ignorable = [c for c in system.coordinates if c.name not in solution.coordinates]
     A, χ = [solution.shift[name] for name in solution.coordinates], solution.shift_potential
     laws = [sp.diff(χ, c.momentum) for c in ignorable]
+    # in the order in which ``shift_slopes`` cuts them apart
     outputs = [sp.diff(a, x) for a in A for x in q] + [sp.diff(a, z) for a in A for z in variables.symbols]
     outputs += [sp.diff(a, c.momentum) for c in ignorable for a in A]
     outputs += [sp.diff(law, z) for law in laws for z in variables.symbols]

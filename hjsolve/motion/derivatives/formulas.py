@@ -126,6 +126,7 @@ class Evaluation:
         values = self.tape.run(q)
         rest, n = values[3:], self.constants
         count = len(rest) // (n + 2)
+        # F_b, F_qb and F_jb one after the other, each with as many numbers as there are variables
         rows = [rest[k * count : (k + 1) * count] for k in range(n + 2)]
         return AtPlace(values[0], values[1], values[2], rows[0], rows[1], rows[2:])
 
@@ -148,6 +149,7 @@ def formulas_of(solution: Solution, initial: Initial, name: str, variables: Vari
     arguments = [(solution.constants[c].symbol, initial.constants[c]) for c in solution.constants]
     arguments += [(p.symbol, initial.values[p.symbol]) for p in solution.system.parameters]
     F, symbol = solution.momentum_squared[name], solution.system.coordinate(name).symbol
+    # x^k with k a number needs no logarithm: exponents are put in after the derivatives by them are taken
     powers: set[sp.Symbol] = set().union(*(power.exp.free_symbols for power in F.atoms(sp.Pow)))
     exponents = tuple((s, value) for s, value in arguments if s in powers)
     return SquareDerivatives(F, symbol, variables, tuple(arguments), exponents)
@@ -174,6 +176,7 @@ def _high_order(
     z, n = variables.symbols, len(variables.constants)
     by = [sp.diff(F, b) for b in z]
     outputs = [sp.diff(F, q, k) if k else F for k in range(HIGHEST + 1)]
+    # next to a turning point F_b/F′ is a quotient of series: two orders of F_b go with four of F
     outputs += [sp.diff(f, q, k) if k else f for f in by for k in range(3)]
     outputs += [sp.diff(by[j], b) for j in range(n) for b in z]
     return lower([_plain(e, exponents) for e in outputs], [q, *symbols])

@@ -61,6 +61,7 @@ def matrices(
         if map_ is None:
             return *_all_ignorable(motion, floats, exact, parameters=parameters), []
         found = _matrices(map_, users, floats, exact)
+        # digits that D(t) D(t₀)⁻¹ lost, by its own bounds, are asked of the motion, and four to spare
         lacking = _lacking(found[0], motion.digits)
         if lacking <= 0:
             return found
@@ -74,6 +75,7 @@ def _lacking(found: Bounded, digits: int) -> int:
     for size, error in zip(found.size, found.error, strict=True):
         if np.all(np.isfinite(size)):
             worst = max(worst, float(np.max(error, initial=0.0)) / max(float(np.max(size, initial=0.0)), 1e-300))
+    # over the greatest entry: an entry that is small by cancellation has the error of the others
     limit = 10.0 ** -(digits + 2)
     return int(np.ceil(np.log10(worst / limit))) if worst > limit else 0
 
@@ -91,6 +93,7 @@ def start_in_users_coordinates(map_: ConstantsToState, users: UsersCoordinates |
         users: the user's coordinates; None where they are those separated.
     """
     first = first_frame(map_)
+    # D is symplectic: −𝕁 Dᵀ 𝕁 is its inverse, and costs no digits as elimination would
     inverse, moved = symplectic_inverse(first.state), first.by_parameters
     if users is not None:
         source = map_.source
@@ -101,6 +104,7 @@ def start_in_users_coordinates(map_: ConstantsToState, users: UsersCoordinates |
                 group[c.name] = np.array([to_bits(source.initial.values[symbol])(map_.context.prec)], dtype=object)
         ((C, shift),) = users.changes(source, values[0], values[1], map_.context)
         outer = symplectic_inverse(C)
+        # (q, p)(t₀) stays: d(B, x, a, y) = −D⁻¹ ∂D/∂λ dλ, in the user's coordinates with what these add
         return inverse @ outer, -(inverse @ (moved + outer @ shift))
     return inverse, -(inverse @ moved)
 
@@ -110,6 +114,7 @@ def _matrices(
 ) -> tuple[Bounded, Bounded, list[StateByConstants | None]]:
     phases = phases_at(map_.source, floats, exact)
     start, by_start = start_in_users_coordinates(map_, users)
+    # D is worked out only where the motion still goes on; the rest is nan
     going = np.flatnonzero(~phases.ended)
     χ, whole, errors = ([part[going] for part in group] for group in (phases.χ, phases.whole, phases.errors))
     found = map_.frames(χ, whole, errors)
@@ -127,6 +132,7 @@ def _matrices(
     main, by = [], []
     for frame in frames:
         main.append(_nothing((n2, n2), map_) if frame is None else frame.state @ start)
+        # parameters act at t directly, and through the constants that (q, p)(t₀) has for them
         by.append(_nothing((n2, m), map_) if frame is None else frame.by_parameters + frame.state @ by_start)
     if not frames:
         return _nothing((0, n2, n2), map_), _nothing((0, n2, m), map_), []
@@ -160,6 +166,7 @@ def _all_ignorable(
     main[:, range(2 * n), range(2 * n)] = context.mpf(1)
     bend, turned = slopes(momenta), slopes(symbols)
     for k, t in enumerate(times):
+        # ∂q/∂p₀ = t ∂²H/∂p², and p does not change
         main[k, :n, n:], by[k, :n, :] = t * bend, t * turned
     return Bounded.exact(main), Bounded.exact(by)
 
@@ -195,6 +202,7 @@ def rounded(found: Bounded, digits: int, shape: tuple[int, ...] | None) -> Estim
     full = (*(shape or ()), *rest)
     if digits <= FLOAT_DIGITS:
         value = found.value.astype(float)
+        # bounds are of first order in the errors of phases and constants
         error = SECOND_ORDER * found.error + EPS * np.abs(value) / 2
         return EstimateArray(value.reshape(full), error.reshape(full))
     context = multiprecision(bits_for(digits, 16))

@@ -72,6 +72,7 @@ def continued_coordinates(system: System, angle: str) -> Continuation | None:
     rest = [c for c in system.coordinates if c.name != angle]
     if φ.domain.kind != "angle" or not rest or system.relativity is not None:
         return None
+    # beyond a pole r and θ have either sign: what was assumed of them must not simplify roots
     real = {c.symbol: sp.Symbol(c.name, real=True) for c in system.coordinates}
     M, index = mass_matrix(system).xreplace(real), {c.name: k for k, c in enumerate(system.coordinates)}
     A = sp.ImmutableMatrix([a.xreplace(real) for a in linear_terms(system)])
@@ -85,6 +86,7 @@ def continued_coordinates(system: System, angle: str) -> Continuation | None:
         poles = [end is not None and parts.has_pole(end) for end in (c.domain.lower, c.domain.upper)]
         if any(poles):
             reflections[c.name] = Reflection(c.domain.lower if poles[0] else None, c.domain.upper if poles[1] else None)
+    # a field, or a term with another velocity, drags φ along although p_φ = 0: then it stays a coordinate
     carried = any(a != 0 for a in A) or any(M[k, j] != 0 for j in range(M.rows) if j != k)
     domains = {c.name: _domain(c, reflections.get(c.name)) for c in (system.coordinates if carried else rest)}
     if not reflections or None in domains.values():
@@ -108,6 +110,7 @@ def _regular(
     G = inverse_of_mass_matrix(M)
     slope, rest = -(G * A), V + (A.T * G * A)[0, 0] / 2
     metric = sp.Matrix(G)
+    # p_φ = 0 leaves nothing of ½ gᵠᵠ p_φ², which is infinite at the pole: any other number may stand there
     metric[k, k] = sp.S.One
     mass = inverse_of_mass_matrix(sp.ImmutableMatrix(metric))
     linear, v = -(mass * slope), sp.ImmutableMatrix(velocities)
@@ -134,6 +137,7 @@ class _Parts:
             return False
         if not all(self._vanishes(self._at(f, end)) for f in (*self.M.row(self.k), self.A[self.k])):
             return False
+        # ds² = m(dθ² + (θ − end)² dφ²) + …: polar coordinates about a regular place, no cone
         bend = self._at(sp.diff(G, self.θ, 2), end) / 2
         return self._vanishes(bend - self._at(own, end)) and all(
             self._vanishes(f - f.xreplace({self.θ: 2 * end - self.θ})) for f in (*self.M, *self.A, self.V)

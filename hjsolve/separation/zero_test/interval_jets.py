@@ -6,8 +6,8 @@ millions; its value at a point costs no more than a few evaluations of the shell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import cache, lru_cache
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache, lru_cache, reduce
 from typing import TypeAlias
 
 import mpmath
@@ -15,6 +15,7 @@ import sympy as sp
 from mpmath import libmp
 
 from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose_inverse, finite, rational
+from hjsolve.algebra.tree_walk import TreeWalk
 
 Slope: TypeAlias = Interval | None
 Jet: TypeAlias = tuple[Interval, Slope, Slope, Slope]
@@ -63,34 +64,33 @@ def _moves(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
     return not x.free_symbols.isdisjoint(pair)
 
 
-class JetWalk:
-    """One evaluation of jets; None is a derivative that is identically zero."""
+class JetWalk(TreeWalk[Jet]):
+    """The walk in jets of intervals; None is a derivative that is identically zero."""
 
     def __init__(self, pair: tuple[sp.Symbol, sp.Symbol], point: Mapping[sp.Expr, sp.Rational], precision: int):
+        super().__init__()
         self.pair, self.precision = pair, precision
         self.plain = Walk(point, precision)
-        self.seen: dict[sp.Expr, Jet] = {}
 
-    def __call__(self, x: sp.Expr) -> Jet:  # noqa: D102
-        if x not in self.seen:
-            self.seen[x] = self._jet(x)
-        return self.seen[x]
-
-    def _jet(self, x: sp.Expr) -> Jet:
+    def leaf(self, x: sp.Expr) -> Jet | None:  # noqa: D102
         one = rational(1, 1, self.precision)
         if x in self.pair:
             return self.plain(x), one if x == self.pair[0] else None, one if x == self.pair[1] else None, None
-        if not _moves(x, self.pair):
-            return self.plain(x), None, None, None
-        if x.is_Add or x.is_Mul:
-            combine = self._sum if x.is_Add else self._product
-            total = self(x.args[0])
-            for a in x.args[1:]:
-                total = combine(total, self(a))
-            return total
-        if x.is_Pow and x.base is not sp.E and not x.exp.is_Rational:
-            return self._jet(sp.exp(x.exp * sp.log(x.base), evaluate=False))
-        # h(u) by the chain rule: ∂ᵢ∂ⱼh = h″ uᵢuⱼ + h′ uᵢⱼ
+        return None if _moves(x, self.pair) else (self.plain(x), None, None, None)
+
+    def total(self, parts: Iterable[Jet]) -> Jet:  # noqa: D102
+        return reduce(self._sum, parts)
+
+    def product(self, parts: Iterable[Jet]) -> Jet:  # noqa: D102
+        return reduce(self._product, parts)
+
+    def power(self, x: sp.Expr) -> Jet:  # noqa: D102
+        if x.base is not sp.E and not x.exp.is_Rational:
+            return self.function(sp.exp(x.exp * sp.log(x.base), evaluate=False))
+        return self.function(x)
+
+    def function(self, x: sp.Expr) -> Jet:
+        """Return h(u) by the chain rule: ∂ᵢ∂ⱼh = h″ uᵢuⱼ + h′ uᵢⱼ."""
         h, argument = _outermost(x)
         u, (first, second) = self(argument), (self.plain(d.xreplace({_U: argument})) for d in _derivatives(h))
         mixed = self.plus(self.times(second, self.times(u[1], u[2])), self.times(first, u[3]))

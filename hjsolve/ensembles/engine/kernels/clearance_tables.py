@@ -20,8 +20,8 @@ QUARTER = 4
 DEEPEST = 7
 """How often a cell may be halved in both directions."""
 _DROPPED, _QUARTER, _DEEPEST, _TURNS = DROPPED, QUARTER, DEEPEST, QUARTER << DEEPEST
-_NOT_COVERED = -3
-_UNTOLD = -2
+NOT_COVERED, UNTOLD = -3, -2
+"""In place of a size: its strip is not covered yet; a table does not tell yet. −1 is: no size is enough."""
 
 
 @inlined
@@ -119,10 +119,10 @@ def glances(motions: Motions, orbits: Integers, maps: Integers, todo: Integers, 
             count = strips.counts[0, m, size]
             span[0, t] = size
             if count < 0:
-                least[t] = _NOT_COVERED
+                least[t] = NOT_COVERED
                 break
             seen = _failing(motions, i, (m, size), int(worst * count), strips, low, high)
             if seen < 0 or seen == count:
-                least[t] = size if seen == count else _UNTOLD
+                least[t] = size if seen == count else UNTOLD
                 break
             worst = seen / count
