@@ -172,6 +172,27 @@ def number_of(expression: sp.Expr, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> m
     return evaluator(expression).at(numbers)[0]
 
 
+@lru_cache(maxsize=4096)
+def magnitude(e: sp.Expr) -> sp.Expr:
+    """Return the sum of the moduli of an expression's terms, by which its rounding errors are measured.
+
+    A number is zero, or not, by what cancels in it, and in no unit: E − V₀ of 1e-60 is zero where both are 1, and E
+    alone is not, however small. With n digits a sum is off by 10⁻ⁿ Σ|terms|, a product by its factors' parts (Higham,
+    Accuracy and Stability of Numerical Algorithms, 2002, section 3.1).
+
+    Args:
+        e: of parameters and constants.
+    """
+    if e.is_Add or e.is_Mul:
+        return e.func(*map(magnitude, e.args))
+    if e.is_Pow and e.exp.is_Rational and e.exp.is_positive:
+        return magnitude(e.base) ** e.exp
+    if e.is_number:
+        return abs(e)
+    # unevaluated: sympy would look for the sign of every long part
+    return e if e.is_Symbol and e.is_positive else sp.Abs(e, evaluate=False)
+
+
 @lru_cache(maxsize=2048)
 def evaluator(*expressions: sp.Expr) -> Evaluator:
     """Return formulas made ready for numbers, kept for the next time."""

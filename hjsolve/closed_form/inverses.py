@@ -385,11 +385,14 @@ def verified_inverse(
         difference = value_at(integral.value, numbers | {q: target}) - value_at(
             integral.value, numbers | {q: numbers[start]}
         )
+        # as large as the integral in any unit: next to a β of 1 an integral of 1e-36 would have no digits
+        numbers |= {s: numbers[s] * difference / value_at(sp.diff(value, s), numbers) for s in free}
         unknown, offset = free[0], value_at(value, numbers)
         # the value is linear in each of t and the β, so one step of Newton's rule is exact
         numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
         got = _value(place, names, numbers)
-        if not abs(got - target) <= (abs(target) + mp.mpf(10) ** -5) * mp.mpf(10) ** -_DIGITS:
+        # by both places, one of which may be at 0: in no unit
+        if not abs(got - target) <= (abs(target) + abs(numbers[start])) * mp.mpf(10) ** -_DIGITS:
             raise NoFormError(f"not verified: the inverse gives {mp.nstr(got, 15)} for {mp.nstr(target, 15)}")
         # a turn later an arc function would be back at its first value, am u goes on
         if own.kind == "rotation" and integral.cycle is not None:

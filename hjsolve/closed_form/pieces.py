@@ -336,7 +336,7 @@ class _Task:
         at = self.signs.number
         roots = [(at(re), at(im)) for re, im in self.roots.pairs]
         poles = [(at(re), at(im)) for re, im, _, _ in parts.complex_poles]
-        return any(abs(a - c) + abs(b - d) < _SAME for a, b in poles for c, d in roots)
+        return any(abs(a - c) + abs(b - d) < _SAME * (abs(a) + abs(b)) for a, b in poles for c, d in roots)
 
     @property
     def _place(self) -> mpmath.mpf:

@@ -9,8 +9,9 @@ from functools import lru_cache
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.evaluation import magnitude
 from hjsolve.closed_form.regions import RootInterval, region_exists
-from hjsolve.closed_form.signs import Signs, sign_of_many_digits
+from hjsolve.closed_form.signs import Signs
 from hjsolve.display.shown import Shown
 from hjsolve.precision import mp
 
@@ -51,9 +52,9 @@ class Regime(Shown):
         """
         at = Signs(values, mp.mpf(0))
         for constant, expression in self.special.items():
-            meant = at.number(expression)
-            # exact constants agree in all 50 digits; 30 leave room for irrational ones
-            if abs(at.number(constant) - meant) > (1 + abs(meant)) * mp.mpf(10) ** -30:
+            off, size = at.number(constant - expression), at.number(magnitude(constant - expression))
+            # exact constants agree in all 60 digits; 30 leave room for irrational ones. E = 0 is 0, in any unit
+            if not abs(off) <= size * mp.mpf(10) ** -30:
                 return False
         return at.agree(self.conditions) and all(
             region_exists(curve, region, at.numbers) for curve, region in self.regions
@@ -200,7 +201,7 @@ def _without_signs(product: sp.Expr, relations: Iterable[sp.Basic], at: Signs) -
             rest *= factor
     if signed == 1 or not sign_is_fixed(relations, signed):
         return product
-    return sign_of_many_digits(at.number(signed)) * rest
+    return at.there(signed) * rest
 
 
 def sign_is_fixed(relations: Iterable[sp.Basic], expression: sp.Expr) -> bool:

@@ -22,7 +22,6 @@ from hjsolve.closed_form.even_curves import in_square
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.regions import RootInterval, real_roots
 from hjsolve.closed_form.signs import Signs
-from hjsolve.precision import mp
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class SquareCurve:
         Args:
             signs: of the sample.
         """
-        positive = [sp.sqrt(r) for r in self.roots.real if signs.number(r) > mp.mpf(10) ** -30]
+        positive = [sp.sqrt(r) for r in self.roots.real if signs.there(r) > 0]
         return (*(-r for r in reversed(positive)), *positive)
 
 

@@ -149,7 +149,7 @@ class _Trial:
 
     def _difference(self, one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> float:
         """Return a difference in units of what is allowed; infinite where a value is not a real number."""
-        one = _real(one)
+        one = _real(one, size)
         if not (mp.isfinite(one) and mp.isfinite(other)) or isinstance(other, mp.mpc):
             return math.inf
         if one == other:
@@ -254,12 +254,17 @@ def _few(value: mpmath.mpf) -> str:
     return str(mp.nstr(value, 20))
 
 
-def _real(value: mpmath.mpf) -> mpmath.mpf:
-    """Return a value without the imaginary rounding of a root; nan where it is more than that."""
+def _real(value: mpmath.mpf, size: mpmath.mpf = 1) -> mpmath.mpf:
+    """Return a value without the imaginary rounding of a root; nan where it is more than that.
+
+    Args:
+        value: any.
+        size: what its rounding is measured by, where it is not the value itself.
+    """
     if not isinstance(value, mp.mpc):
         return value
     tiny = mp.mpf(10) ** -(mp.dps - 12)
-    return value.real if abs(value.imag) <= tiny * (1 + abs(value.real)) else mp.nan
+    return value.real if abs(value.imag) <= tiny * (size + abs(value.real)) else mp.nan
 
 
 def value_at(expression: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
