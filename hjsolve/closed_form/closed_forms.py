@@ -118,5 +118,9 @@ def _moved_inside(motion: Motion, name: str, place: sp.Expr) -> sp.Expr:
     if low is None and high is None:
         return place
     edge, sign = (low, 1) if low is not None else (sp.sympify(high), -1)
-    size = sp.Rational(1, 8) * (1 + abs(edge))
+    domain = motion.solution.system.coordinate(name).domain
+    end = domain.upper if sign > 0 else domain.lower
+    end = None if end is None else _rational(end.xreplace(dict(motion.initial.values)))
+    # an eighth of the way to the end of the domain, or of its own size: a fall from r = 1/10, or in units of 1e-20
+    size = (abs(edge) if end is None else abs(end - edge)) / 8 or sp.Rational(1, 8)
     return place if abs(place - edge) > size else edge + sign * size

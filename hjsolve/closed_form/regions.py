@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -135,12 +135,11 @@ def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[
         held = [k for k, c in enumerate(coefficients) if c != 0]
         if not held:
             return (), False
-        # a leading coefficient that is zero at these constants (E = 0) is a root at infinity, the last ones are at 0
-        zeros = [mp.mpf(0)] * (len(coefficients) - 1 - held[-1])
-        roots = _complex_roots(coefficients[held[0] : held[-1] + 1], digits)
+        # a leading coefficient that is zero at these constants (E = 0) is a root at infinity
+        roots = complex_roots(coefficients[held[0] :], digits)
         # two by two: next to a root at 1e30 all others would be the same
-        double = len(zeros) > 1 or any(_same(a, b) for k, a in enumerate(roots) for b in roots[:k])
-        return tuple(sorted([r.real for r in roots if abs(r.imag) <= abs(r) * _SAME] + zeros)), double
+        double = any(_same(a, b) for k, a in enumerate(roots) for b in roots[:k])
+        return tuple(sorted(mp.re(r) for r in roots if abs(mp.im(r)) <= abs(r) * _SAME)), double
 
 
 def _same(a: mpmath.mpc, b: mpmath.mpc) -> bool:
@@ -148,19 +147,24 @@ def _same(a: mpmath.mpc, b: mpmath.mpc) -> bool:
     return bool(a == b or abs(a - b) <= max(abs(a), abs(b)) * _SAME) and not mp.isinf(a - b)
 
 
-def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mpmath.mpc]:
-    """Return all roots of a polynomial without one at 0.
+def complex_roots(coefficients: Sequence[mpmath.mpf], digits: int) -> list[mpmath.mpc]:
+    """Return all roots, in mpmath's present precision: those at 0 first, as often as they occur.
 
-    In units of their geometric mean |cₙ/c₀|^{1/n}, so that doubles and tolerances hold for any unit of x. A power of 2:
-    the coefficients are not rounded by it.
+    In units of the geometric mean |cₙ/c₀|^{1/n} of the others, so that doubles and tolerances hold for any unit of x. A
+    power of 2: the coefficients are not rounded by it.
+
+    Args:
+        coefficients: of the highest power first, which is not 0.
+        digits: of the roots.
     """
-    n = len(coefficients) - 1
+    n = max(k for k, c in enumerate(coefficients) if c != 0)
+    zeros, coefficients = [mp.mpf(0)] * (len(coefficients) - 1 - n), coefficients[: n + 1]
     # Newton's rule, from doubles, would fail for the two roots of E x² + kx − L² with E → 0
     if n <= 2:
-        return _quadratic_roots(coefficients) if n else []
+        return [*zeros, *(_quadratic_roots(coefficients) if n else [])]
     unit = mp.mpf(2) ** int(mp.nint(mp.log(abs(coefficients[n] / coefficients[0]), 2) / n))
     scaled = tuple(c * unit ** (n - k) for k, c in enumerate(coefficients))
-    return [unit * z for z in _roots_by_newton(scaled, digits)]
+    return [*zeros, *(unit * z for z in _roots_by_newton(scaled, digits))]
 
 
 def _roots_by_newton(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mpmath.mpc]:
@@ -200,7 +204,7 @@ def _roots_together(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[m
     return found
 
 
-def _quadratic_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
+def _quadratic_roots(coefficients: Sequence[mpmath.mpf]) -> list[mpmath.mpc]:
     if len(coefficients) == 2:
         return [mp.mpc(-coefficients[1] / coefficients[0])]
     a, b, c = coefficients

@@ -170,3 +170,12 @@ def test_a_motion_has_its_own_form_in_any_unit(decades: int) -> None:
     form = own_form(motion)
     assert form is not None
     assert "inverse.x" in form.named()
+
+
+@pytest.mark.parametrize("radius", ["1", "1/10", "1/1000", "1e-20", "1e20"])
+def test_a_fall_from_rest_has_its_own_form_from_any_radius(radius: str) -> None:
+    # it was looked for at r = 1/10 − (1 + 1/10)/8, beyond the centre, and there was none
+    motion = hjsolve.solve("kepler-planar").motion(q={"r": radius, "theta": 0}, velocity={"r": 0, "theta": 0})
+    form = own_form(motion)
+    assert form is not None
+    assert form.regime.words == "r: boundary; p_theta = 0, E < 0"
