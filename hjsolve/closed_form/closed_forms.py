@@ -22,7 +22,9 @@ from hjsolve.separation import Separation
 from hjsolve.solution.quadratures import Solution, solve
 
 SECONDS = 20.0
+"""Of the processor for all regimes of a solution: what is not derived by then says so, and is on request."""
 _FEWEST, _MOST_DIGITS = 15, 200
+"""Digits of a comparison: what doubles show, and what a form is still compared to within seconds."""
 
 
 @arguments.with_known_names('closed_forms("kepler-planar", seconds=20)')

@@ -121,9 +121,11 @@ class CompleteIntegrals:
             pole = self._pole(A, n, m)
             if pole is None:
                 a += A
+                # n J(n) = ⅓ n R_J(0, 1 − m, 1, 1 − n), DLMF 19.25.2
                 value += A * n * CarlsonRJ(0, c, 1, self._one_minus(n)) / 3
                 continue
             poles.append(pole)
+            # n → m/n, DLMF 19.7.8 and 19.7.9: with n² > m it is |m/n| < √m, and what is left of Π does not grow
             ratio = self.tidy(m / n)
             weight = _either(A * n, pole.far, -self.tidy(A * m / n))
             value += weight * CarlsonRJ(0, c, 1, _either(self._one_minus(n), pole.far, self._one_minus(ratio))) / 3
@@ -182,6 +184,7 @@ class CompleteIntegrals:
         # A² n/((1 − n)(n − m)) ≤ 0: the residue is not real, and there is no half turn
         if 0 <= at_n <= at_m or at_n >= 1:
             return None
+        # its root is the half turn by ½π: rational in the roots, and free of them where the residue is a constant
         square = A**2 * n / ((1 - n) * (n - m))
         explicit = self.written_out(self.written_out(square).xreplace(self.radicals))
         size = sp.sqrt(_without_root(explicit) or self.tidy(square))
@@ -208,6 +211,7 @@ class CompleteIntegrals:
             m: the parameter.
         """
         m = self.written_out(m)
+        # 1 − (a − b)/(c − b) is (c − a)/(c − b): a difference of roots, known to its last place where they are
         above, below = sp.fraction(sp.together(m))
         if below == 1:
             return None
@@ -290,6 +294,7 @@ class CompleteIntegrals:
             total = sp.Mul(*held)
             if len(held) < 2 or longer_than(total, _LONGEST):
                 continue
+            # (c − x₁)(c − x₂) is P(c)/a where both roots are radicals: without one, and nothing cancels next to c
             made = sp.factor(sp.expand(total.xreplace(self.radicals)))
             if _rooted(made) or sp.count_ops(made) > 2 * sp.count_ops(total):
                 continue
@@ -320,6 +325,7 @@ def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mappin
         if len(held) == 1 and base.is_Add:
             (x,) = held
             slope = base.coeff(x)
+            # s (x − c): the same c must occur with every root of P
             if slope.is_number and slope != 0 and (c := sp.expand(x - base / slope)) not in numbers and not c.has(x):
                 places.setdefault(c, {})[numbers[x]] = (base, slope)
     for c, found in places.items():
@@ -332,6 +338,7 @@ def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mappin
             continue
         for base, slope in found.values():
             del factors[base]
+            # Π s (xⱼ − c) = (−1)ⁿ sⁿ P(c)/a, one factor −s for each root
             value *= -slope
         for factor in sp.Mul.make_args(value):
             base, own = factor.as_base_exp()
@@ -370,6 +377,7 @@ def _without_root(e: sp.Expr) -> sp.Expr | None:
     if len({p.base for p in powers}) != 1 or longer_than(e, _LONGEST) or any((2 * p.exp).q != 1 for p in powers):
         return None
     (D,), s = {p.base for p in powers}, sp.Dummy("s")
+    # e = (a₀ + a₁ s)/(b₀ + b₁ s), s² = D, does not depend on the sign of s where a₁ b₀ = a₀ b₁
     above, below = sp.fraction(sp.together(e.xreplace({p: s ** (2 * p.exp) for p in powers})))
     if above.is_polynomial(s) and below.is_polynomial(s):
         a, b = (sp.rem(sp.expand(part), s**2 - D, s) for part in (above, below))

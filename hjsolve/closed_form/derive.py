@@ -22,7 +22,9 @@ from hjsolve.closed_form.verification import flaws
 from hjsolve.precision import mp
 
 MOST_REGIMES = 16
+"""Of a solution, as they are met: a motion in another one has its own derived."""
 _SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
+"""Motions that are drawn to meet regimes, fewer where a constant is fixed already; always the same ones."""
 
 
 def forms_of_solution(context: FormContext, known: Sequence[RegimeForms] = ()) -> tuple[RegimeForms, ...]:

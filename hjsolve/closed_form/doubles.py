@@ -175,6 +175,7 @@ class CurveForArrays:
                 rest = sp.quo(rest, sp.Poly(x - end, x))
             at_ends.append(there)
         # P is a number by its ends alone: (1 − x²) c
+        # the methods for roots need a degree
         if rest.degree() == 0:
             rest = sp.Poly(rest.LC() * (x**2 + 1), x)  # like a constant it has no real root, and its sign
         return rest, (at_ends[0], at_ends[1])
@@ -228,6 +229,7 @@ class CurveForArrays:
                 ends.append((np.asarray(value.high), off + abs(value.low)))
             else:
                 ends.append((np.full(shape, far), np.zeros(shape)))
+        # forms of one coordinate ask for the same roots: they are found once a block
         roots, leading = self.roots.once(table, shape, solved)
         return RootsInDomain(roots, leading, (ends[0], ends[1]), self.without_ends[1])
 
@@ -275,6 +277,7 @@ class RootsInDomain:
         # roots are numbered as in ``regions``: those at the ends for all constants count
         start = region.lower[1] if region.lower[0] == "root" else first - 1
         stop = region.upper[1] if region.upper[0] == "root" else first + inside
+        # neighbours among the roots: another one between them is where the motion turns
         exists = (total == len(region.roots)) & (stop == start + 1)
         if region.lower[0] == "root":
             exists = exists & (start >= first) & (start < first + inside)
@@ -291,6 +294,7 @@ class RootsInDomain:
         known = np.isfinite(self.roots.roots)
         apart = np.where(known, self.roots.roots, 0.0) - there
         spacing = _SPARE * abs(np.where(known, self.roots.roots, 0.0))
+        # a root known to e, an end known to δ: on which side it is, is known where they are further apart
         doubt = known & (abs(apart) <= self.roots.errors + off + spacing)
         return (known & (apart < 0)).sum(axis=0), np.asarray(doubt.any(axis=0))
 

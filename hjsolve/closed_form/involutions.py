@@ -23,6 +23,7 @@ from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp
 
 _DIGITS = 60
+"""Of branch points: twice what tells a determinant from zero, for those of nearly double roots."""
 _NOTHING = mp.mpf(10) ** -25
 """Of its terms, what is left of a determinant that is zero: roots have 60 digits, nearly double ones half as many."""
 

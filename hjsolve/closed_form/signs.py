@@ -11,6 +11,7 @@ from hjsolve.closed_form.evaluation import evaluator, magnitude, many_digits, nu
 from hjsolve.precision import mp
 
 DIGITS = 60
+"""Of constants at a sample: 40 for what is left after cancellation, and 20 more."""
 _NOTHING = mp.mpf(10) ** -40
 """Of the terms of an expression, what is left of them where they cancel: constants have 60 digits, named roots 50."""
 

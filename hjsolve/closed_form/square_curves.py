@@ -66,6 +66,7 @@ class SquareCurve:
         if not self.passes:
             return value.xreplace({self.X: x**2})
         # of y > 0 the root √X is y: with x of either sign in its place the integral is odd
+        # sympy would write √(x²) as |x|, which is even
         y = sp.Dummy("y", positive=True)
         return value.subs(self.X, y**2).xreplace({y: x})
 

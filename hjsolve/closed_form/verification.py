@@ -25,10 +25,13 @@ from hjsolve.closed_form.time_limit import check_time
 from hjsolve.precision import mp
 
 DIGITS, GUARD = 40, 24
+"""Digits that a form shows with a quadrature, and those that both may lose on the way."""
 _MOST_NODES, _NODES, _HALVINGS_OF_A_PATH = 432, 4, 14
+"""Nodes of a cycle, 16 trebled three times; mpmath's degree of Gauss's rule, of 24 nodes; 2⁻¹⁴ of a path is a pole."""
 _RULE = GaussLegendre(mp)
 """Of Gauss; it remembers its nodes."""
 _PARTS = ("0.31", "0.52", "0.77")
+"""Of a region, where slopes are compared: on both sides of the middle, and at no place where anything is symmetric."""
 
 
 Integrands = Callable[[mpmath.mpf], list[mpmath.mpf]]
