@@ -42,7 +42,7 @@ from hjsolve.solution.quadratures import Solution
 DRAWN = 4096
 """Motions drawn at once, by their constants."""
 BLOCKS = 16
-"""Times that, at most, for a set of parameters: what is met once in 60 000 motions is left to those about known ones."""
+"""Times that, at most, for a set: what is met once in 60 000 motions is left to motions about known ones."""
 FEWEST_SETS = 4
 """Sets of parameters, at least, that the motions of a regime have."""
 DRAWS = 200
@@ -188,7 +188,7 @@ def _compared(
     special = frozenset(constant.name for constant in own.form.regime.special)
     own.seeds = Seeds.of(solution, others, table, special).joined(own.seeds, dice)
     own.constants.append({c.name: table[c.name] for c in constants_of(solution)})
-    _cycles(own, table, others)
+    _cycles(own, table, others, quadrature)
     if solution.coordinates:
         _antiderivatives(own, table, others, quadrature, dice)
 
@@ -241,8 +241,9 @@ def _sample(solution: Solution, table: Table, k: int) -> Sample:
     return Sample(values, {name: exact(table[name][k]) for name in solution.coordinates})
 
 
-def _cycles(own: Met, table: Table, others: Table) -> None:
+def _cycles(own: Met, table: Table, others: Table, quadrature: Quadratures) -> None:
     """J, Ω, periods and turning points against the engine of ensembles."""
+    _without_the_engine(own, table, others, quadrature)
     solution = own.form.solution
     errors = {s.name: others[f"error.constants.{s.name}"] for s in constants_of(solution)}
 
@@ -268,6 +269,27 @@ def _cycles(own: Met, table: Table, others: Table) -> None:
             compare(own, name, table, other, others[f"error.{name}"], errors, right(name))
     if "energy" in own.functions:
         _energy(own, table)
+
+
+def _without_the_engine(own: Met, table: Table, others: Table, quadrature: Quadratures) -> None:
+    """J and turning points of a coordinate that turns back where the motion as a whole does not, as next to a horizon.
+
+    The engine hands such motions back. A turning point is where P² is zero, and J is worked out between both.
+    """
+    solution = own.form.solution
+    for name in solution.coordinates:
+        sides = [f"turning_points.{name}.{side}" for side in ("lower", "upper")]
+        if own.form.regime.kinds.get(name) != "libration" or not set(sides) <= own.functions.keys():
+            continue
+        alone = np.flatnonzero(np.all([np.isnan(others[n]) for n in sides if n in others], axis=0))
+        if not len(alone):
+            continue
+        table_alone = taken(table, alone)
+        ends = [own.at(n, table_alone) for n in sides]
+        for n, end in zip(sides, ends, strict=True):
+            compare(own, n, table_alone, *quadrature.turned(name, table_alone, end), {})
+        if f"actions.{name}" in own.functions:
+            compare(own, f"actions.{name}", table_alone, *quadrature.action(name, table_alone, *ends), {})
 
 
 def _energy(own: Met, table: Table) -> None:

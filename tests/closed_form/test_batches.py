@@ -108,3 +108,22 @@ def test_a_regime_that_is_seldom_met_is_drawn_about_its_motions() -> None:
         columns = {f"{k}.{n}": (near if k == "q" else p)[n][found] for k in "qp" for n in ("r", "theta")}
         seeds = Seeds.of(solution, columns, {n: v[found] for n, v in near.items()}, frozenset()).joined(seeds, dice)
     assert len(seeds.parameters) == 4
+
+
+@pytest.mark.parametrize("name", ["turning_points.r.lower", "turning_points.r.upper", "actions.r"])
+def test_what_the_engine_hands_back_is_compared_all_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Turning points and J of a coordinate, where the engine has none: by P² alone, to 1e-9 of themselves."""
+    plain = Draws.followed
+
+    def without(self: Draws, *arguments: Any) -> Any:
+        table, columns = plain(self, *arguments) or pytest.fail("parameters are refused")
+        hidden = (n for n in columns if n.startswith(("actions.r", "turning_points.r")))
+        return table, {**columns, **{n: np.full_like(columns[n], np.nan) for n in hidden}}
+
+    monkeypatch.setattr(Draws, "followed", without)
+    solution, (form, *_) = _known("kepler-planar")
+    (sound,) = campaign(solution, [form], 50, seed=5, seconds=0)[:1]
+    assert sound.rows[name].count > 5  # ellipses with 1 − e of 1e-9 do not settle
+    assert [fault for row in sound.rows.values() for fault in row.faults] == []
+    (broken,) = campaign(solution, [_broken(form, name, 1 + sp.Rational(1, 10**9))], 50, seed=5, seconds=0)[:1]
+    assert broken.rows[name].faults
