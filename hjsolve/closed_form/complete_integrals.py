@@ -23,7 +23,7 @@ Fukushima, J. Comput. Appl. Math. 236 (2012) 1961 (B, D, J); DLMF 19.7.8 and 19.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import mpmath
 import sympy as sp
@@ -31,7 +31,7 @@ import sympy as sp
 from hjsolve.closed_form.coefficients_by_roots import far_points, in_roots
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import written_out
-from hjsolve.closed_form.tidy import longer_than
+from hjsolve.closed_form.tidy import linear_in, longer_than
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.precision import mp
 
@@ -41,14 +41,6 @@ _LONGEST = 250
 """Operations of a coefficient that is factored: longer ones may take sympy seconds."""
 _NEAR = 2**-20
 """Part of its distance from a pole at which a root is put to see what a coefficient loses there."""
-
-
-@dataclass
-class _Sum:
-    """Σ coefficient × integral + rest."""
-
-    weights: dict[sp.Expr, sp.Expr] = field(default_factory=dict)
-    rest: sp.Expr = sp.S.Zero
 
 
 @dataclass(frozen=True)
@@ -95,16 +87,16 @@ class CompleteIntegrals:
         if not expression.has(*COMPLETE):
             return expression
         if expression not in self._known:
-            total = _linear(expression)
+            total = linear_in(expression, _complete)
             self._known[expression] = (
                 expression.func(*map(self.arranged, expression.args)) if total is None else self._written(total)
             )
         return self._known[expression]
 
-    def _written(self, total: _Sum) -> sp.Expr:
-        value = total.rest
-        for m in sorted({i.args[-1] for i in total.weights}, key=sp.default_sort_key):
-            value += self._of_parameter(m, {i: w for i, w in total.weights.items() if i.args[-1] == m})
+    def _written(self, total: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+        value = total.pop(sp.S.One, sp.S.Zero)
+        for m in sorted({i.args[-1] for i in total}, key=sp.default_sort_key):
+            value += self._of_parameter(m, {i: w for i, w in total.items() if i.args[-1] == m})
         return value
 
     def _of_parameter(self, m: sp.Expr, weights: dict[sp.Expr, sp.Expr]) -> sp.Expr:
@@ -387,31 +379,8 @@ def _without_root(e: sp.Expr) -> sp.Expr | None:
     return None
 
 
-def _linear(e: sp.Expr) -> _Sum | None:
-    """Return an expression as a sum of complete integrals; None where it is not linear in them."""
-    if not any(_complete(i) for i in e.atoms(*COMPLETE)):
-        return _Sum(rest=e)
-    if isinstance(e, COMPLETE):
-        return _Sum({e: sp.S.One}) if _complete(e) else None
-    if e.is_Add:
-        total = _Sum()
-        for term in e.args:
-            if (part := _linear(term)) is None:
-                return None
-            total.rest += part.rest
-            for integral, weight in part.weights.items():
-                total.weights[integral] = total.weights.get(integral, sp.S.Zero) + weight
-        return total
-    if e.is_Mul:
-        held = [f for f in e.args if f.has(*COMPLETE)]
-        if len(held) == 1 and (part := _linear(held[0])) is not None:
-            others = sp.Mul(*(f for f in e.args if f is not held[0]))
-            return _Sum({i: w * others for i, w in part.weights.items()}, part.rest * others)
-    return None
-
-
 def _complete(integral: sp.Expr) -> bool:
-    return len(integral.args) == (2 if isinstance(integral, sp.elliptic_pi) else 1)
+    return isinstance(integral, COMPLETE) and len(integral.args) == (2 if isinstance(integral, sp.elliptic_pi) else 1)
 
 
 def _either(first: sp.Expr, condition: sp.Expr, second: sp.Expr) -> sp.Expr:

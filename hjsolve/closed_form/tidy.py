@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 
 import sympy as sp
@@ -108,7 +109,7 @@ def collected(expression: sp.Expr) -> sp.Expr:
         expression: of a form; of any that is not linear in them it is given back.
     """
     # F(φ) − F(φ₀) of each integral has one coefficient twice: one bracket in place of two products
-    coefficients = _linear(expression)
+    coefficients = linear_in(expression, lambda _: True)
     if coefficients is None or len(coefficients) < 2:
         return expression
     rest = sp.Add(*(_factored(term) for term in sp.Add.make_args(coefficients.pop(sp.S.One, sp.S.Zero))))
@@ -123,22 +124,31 @@ def collected(expression: sp.Expr) -> sp.Expr:
     return rest + sp.Add(*(c * bracket for c, bracket in brackets.items()))
 
 
-def _linear(e: sp.Expr) -> dict[sp.Expr, sp.Expr] | None:
-    """Elliptic integral, or 1 → its coefficient; None of what is not linear in them."""
-    if not elliptic(e):
+def linear_in(e: sp.Expr, wanted: Callable[[sp.Expr], bool]) -> dict[sp.Expr, sp.Expr] | None:
+    """Return an expression as a sum, integral or 1 → its coefficient; None of what is not linear in the integrals.
+
+    Args:
+        e: of a form.
+        wanted: whether a function is one of the integrals.
+    """
+
+    def held(part: sp.Expr) -> bool:
+        return any(map(wanted, part.atoms(*ELLIPTIC)))
+
+    if not held(e):
         return {sp.S.One: e}
     if isinstance(e, ELLIPTIC):
-        return {e: sp.S.One}
+        return {e: sp.S.One} if wanted(e) else None
     if e.is_Mul:
-        held = [f for f in e.args if elliptic(f)]
-        inner = _linear(held[0]) if len(held) == 1 else None
-        rest = sp.Mul(*(f for f in e.args if f is not held[0]))
+        factors = [f for f in e.args if held(f)]
+        inner = linear_in(factors[0], wanted) if len(factors) == 1 else None
+        rest = sp.Mul(*(f for f in e.args if f is not factors[0]))
         return None if inner is None else {one: rest * c for one, c in inner.items()}
     if not e.is_Add:
         return None
     found = dict[sp.Expr, sp.Expr]()
     for term in e.args:
-        inner = _linear(term)
+        inner = linear_in(term, wanted)
         if inner is None:
             return None
         for one, c in inner.items():
