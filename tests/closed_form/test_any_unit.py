@@ -23,6 +23,8 @@ from hjsolve.closed_form.signs import Signs
 from hjsolve.precision import mp
 from tests.support.entries import forms
 
+pytestmark = pytest.mark.rotating_file(5)
+
 # name → powers of mass, length and time; √length for u and v of parabolic coordinates
 ENERGY, TURN = (1, 2, -2), (1, 2, -1)
 DIMENSIONS: Mapping[str, Mapping[str, tuple[float, float, float]]] = {
@@ -78,6 +80,7 @@ def _place(form: RegimeForms, name: str) -> sp.Rational:
     )
 
 
+@pytest.mark.nightly_cases(*(f"{entry}-{unit}" for entry in ("stark", "spherical-pendulum", "cone") for unit in UNITS))
 @pytest.mark.parametrize("unit", UNITS.values(), ids=UNITS)
 @pytest.mark.parametrize("entry", DIMENSIONS)
 def test_a_form_is_derived_in_any_unit(entry: str, unit: tuple[int, int, int]) -> None:
@@ -88,6 +91,7 @@ def test_a_form_is_derived_in_any_unit(entry: str, unit: tuple[int, int, int]) -
         assert other.why_not == one.why_not
 
 
+@pytest.mark.nightly_cases(*(f"{entry}-{unit}" for entry in ("stark", "spherical-pendulum", "cone") for unit in UNITS))
 @pytest.mark.parametrize("unit", UNITS.values(), ids=UNITS)
 @pytest.mark.parametrize("entry", DIMENSIONS)
 def test_a_form_has_its_numbers_in_any_unit(entry: str, unit: tuple[int, int, int]) -> None:
