@@ -285,9 +285,11 @@ def _without_the_engine(own: Met, table: Table, others: Table, quadrature: Quadr
         if not len(alone):
             continue
         table_alone = taken(table, alone)
-        ends = [own.at(n, table_alone) for n in sides]
-        for n, end in zip(sides, ends, strict=True):
-            compare(own, n, table_alone, *quadrature.turned(name, table_alone, end), {})
+        # J between the turning points that P² has: those of the form may have lost their digits in doubles
+        found = [quadrature.turned(name, table_alone, own.at(n, table_alone)) for n in sides]
+        ends = [end for end, _ in found]
+        for n, side in zip(sides, found, strict=True):
+            compare(own, n, table_alone, *side, {})
         if f"actions.{name}" in own.functions:
             compare(own, f"actions.{name}", table_alone, *quadrature.action(name, table_alone, *ends), {})
 
