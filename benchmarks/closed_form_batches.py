@@ -15,7 +15,10 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby, islice
 
 import numpy as np
 import sympy as sp
@@ -23,7 +26,7 @@ from numpy.typing import NDArray
 
 import hjsolve
 from benchmarks.closed_form_comparisons import FAR, Met, compare, condition, in_many_digits, taken
-from benchmarks.closed_form_draws import Reals, Seeds, Table, constants_of, ends_of, exact, ignorable, motions_of
+from benchmarks.closed_form_draws import Draws, Reals, Seeds, Table, constants_of, ends_of, exact, ignorable
 from benchmarks.closed_form_quadratures import ULP, Quadratures
 from hjsolve.closed_form.closed_forms import closed_forms
 from hjsolve.closed_form.curves import W
@@ -37,7 +40,9 @@ from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution
 
 DRAWN = 4096
-"""Motions drawn with the same parameters: passes of the engine, and what is judged, cost as much for fewer."""
+"""Motions drawn at once, by their constants."""
+BLOCKS = 16
+"""Times that, at most, for a set: what is met once in 60 000 motions is left to motions about known ones."""
 FEWEST_SETS = 4
 """Sets of parameters, at least, that the motions of a regime have."""
 DRAWS = 200
@@ -49,7 +54,7 @@ MOST = 24
 UNKNOWN = 3
 """Motions without a regime of each draw that one is derived for."""
 CYCLES = ("periods.", "actions.", "frequencies.", "turning_points.")
-_DERIVED = 10.0
+_DERIVED = 40.0
 """Seconds for the forms of a regime that is met."""
 _STEP = 1e-6
 """Of ξ, by which the rate of the time by the place is worked out."""
@@ -79,34 +84,113 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
         seconds: of the processor after which no further parameters are drawn.
     """
     context, dice, begin = context_of(solution), np.random.default_rng(seed), time.process_time()
-    met = [Met(form, context) for form in forms]
-    quadrature = Quadratures(context)
-    idle = 0
+    met, draws, quadrature, idle = [Met(form, context) for form in forms], Draws(solution), Quadratures(context), 0
     for k in range(DRAWS):
         over = time.process_time() - begin > seconds or all(own.motions >= motions for own in met)
         if k and (over or idle >= IDLE):
             break
-        drawn = motions_of(solution, dice, k, DRAWN, _wanted(met, motions) if k % 2 else None)
-        if drawn is None:
+        known = sum(own.motions for own in met)
+        about = _wanted(met, motions) if k % 3 else None
+        values = draws.parameters(dice, k, about)
+        own_part = -(-motions // FEWEST_SETS)
+        chosen = _chosen(met, context, draws, values, about, {"of a set": own_part, "in all": motions}, dice)
+        if not chosen:
+            idle += 1
             continue
-        table, others = drawn
-        left = np.all([np.isfinite(table[c.name]) for c in constants_of(solution)], axis=0)
-        known, more = sum(own.motions for own in met), time.process_time() - begin < seconds
-        for own in _with_others(met, context, table, left) if more else list(met):
-            for there, columns in _turns(solution, table, others):
-                found = left & np.isfinite(_inside(own, there))
-                left &= ~found
-                kept = np.flatnonzero(found)[: min(motions - own.motions, -(-motions // FEWEST_SETS))]
-                own.motions += len(kept)
-                if len(kept):
-                    there, columns = taken(there, kept), {n: v[kept] for n, v in columns.items()}
-                    special = frozenset(constant.name for constant in own.form.regime.special)
-                    own.seeds = Seeds.of(solution, columns, there, special)
-                    _cycles(own, there, columns)
-                    if solution.coordinates:
-                        _antiderivatives(own, there, columns, quadrature, dice)
+        ends = np.cumsum([0, *(len(next(iter(one.momenta.values()))) for one in chosen)])
+        table, momenta = (
+            {n: np.concatenate([part[n] for part in parts]) for n in parts[0]}
+            for parts in ([one.table for one in chosen], [one.momenta for one in chosen])
+        )
+        followed = draws.followed(values, table, momenta)
+        if followed is None:
+            continue
+        for one, first, last in zip(chosen, ends, ends[1:], strict=False):
+            there, columns = ({n: v[first:last] for n, v in part.items()} for part in followed)
+            _compared(one.own, one.turn, there, columns, quadrature, dice)
         idle = 0 if sum(own.motions for own in met) > known else idle + 1
     return met
+
+
+@dataclass
+class Chosen:
+    """Motions of one regime, of one set of parameters.
+
+    Attributes:
+        own: the regime.
+        turn: which of ``_turns`` its forms hold for.
+        table: of the motions.
+        momenta: likewise.
+    """
+
+    own: Met
+    turn: int
+    table: Table
+    momenta: Table
+
+
+def _chosen(
+    met: list[Met], context: FormContext, draws: Draws, values: Mapping[str, float], about: Seeds | None,
+    most: Mapping[str, int], dice: np.random.Generator,
+) -> list[Chosen]:  # fmt: skip
+    """Draw motions by their constants alone, until every regime has what a set gives: the engine costs 100 times more.
+
+    Args:
+        met: the regimes, to which new ones are added.
+        context: of the solution.
+        draws: of the solution.
+        values: of the parameters.
+        about: motions of a regime that is wanted; None for any.
+        most: motions of a regime of a set, and in all.
+        dice: random numbers.
+    """
+    solution, found, count = context.solution, list[Chosen](), Counter[int]()
+    for block in range(BLOCKS):
+        wanted = [own for own in met if count[id(own)] < min(most["of a set"], most["in all"] - own.motions)]
+        if block and not wanted:
+            break
+        table, momenta = draws.motions(dice, values, DRAWN, about)
+        left = np.all([np.isfinite(table[c.name]) for c in constants_of(solution)], axis=0)
+        for own in wanted if block else _with_others(met, context, table, left):
+            for turn, (there, _) in enumerate(_turns(solution, table, {})):
+                kept = np.flatnonzero(left)
+                kept = kept[np.isfinite(_inside(own, taken(there, kept)))] if len(kept) else kept
+                left[kept] = False
+                kept = kept[: max(0, min(most["of a set"], most["in all"] - own.motions) - count[id(own)])]
+                count[id(own)] += len(kept)
+                if len(kept):
+                    found.append(Chosen(own, turn, taken(table, kept), taken(momenta, kept)))
+    found.sort(key=lambda one: (id(one.own), one.turn))
+    return [_joined([*group]) for _, group in groupby(found, key=lambda one: (id(one.own), one.turn))]
+
+
+def _joined(parts: Sequence[Chosen]) -> Chosen:
+    """Return the motions of several blocks as one table: what is compared costs as much for ten as for hundreds."""
+    table = {n: np.concatenate([one.table[n] for one in parts]) for n in parts[0].table}
+    momenta = {n: np.concatenate([one.momenta[n] for one in parts]) for n in parts[0].momenta}
+    return Chosen(parts[0].own, parts[0].turn, table, momenta)
+
+
+def _compared(
+    own: Met, turn: int, table: Table, others: Table, quadrature: Quadratures, dice: np.random.Generator
+) -> None:  # fmt: skip
+    """Compare all forms of a regime at motions that the engine integrated."""
+    solution = own.form.solution
+    table, others = next(islice(_turns(solution, table, others), turn, None))
+    # constants by the engine are those of the formulas to a rounding, and none where it refuses a motion
+    left = np.all([np.isfinite(table[c.name]) for c in constants_of(solution)], axis=0)
+    kept = np.flatnonzero(left)
+    kept = kept[np.isfinite(_inside(own, taken(table, kept)))] if len(kept) else kept
+    if not len(kept):
+        return
+    own.motions += len(kept)
+    table, others = taken(table, kept), {n: v[kept] for n, v in others.items()}
+    special = frozenset(constant.name for constant in own.form.regime.special)
+    own.seeds = Seeds.of(solution, others, table, special).joined(own.seeds, dice)
+    own.constants.append({c.name: table[c.name] for c in constants_of(solution)})
+    _cycles(own, table, others, quadrature)
+    if solution.coordinates:
+        _antiderivatives(own, table, others, quadrature, dice)
 
 
 def _wanted(met: Sequence[Met], motions: int) -> Seeds | None:
@@ -157,8 +241,9 @@ def _sample(solution: Solution, table: Table, k: int) -> Sample:
     return Sample(values, {name: exact(table[name][k]) for name in solution.coordinates})
 
 
-def _cycles(own: Met, table: Table, others: Table) -> None:
+def _cycles(own: Met, table: Table, others: Table, quadrature: Quadratures) -> None:
     """J, Ω, periods and turning points against the engine of ensembles."""
+    _without_the_engine(own, table, others, quadrature)
     solution = own.form.solution
     errors = {s.name: others[f"error.constants.{s.name}"] for s in constants_of(solution)}
 
@@ -184,6 +269,29 @@ def _cycles(own: Met, table: Table, others: Table) -> None:
             compare(own, name, table, other, others[f"error.{name}"], errors, right(name))
     if "energy" in own.functions:
         _energy(own, table)
+
+
+def _without_the_engine(own: Met, table: Table, others: Table, quadrature: Quadratures) -> None:
+    """J and turning points of a coordinate that turns back where the motion as a whole does not, as next to a horizon.
+
+    The engine hands such motions back. A turning point is where P² is zero, and J is worked out between both.
+    """
+    solution = own.form.solution
+    for name in solution.coordinates:
+        sides = [f"turning_points.{name}.{side}" for side in ("lower", "upper")]
+        if own.form.regime.kinds.get(name) != "libration" or not set(sides) <= own.functions.keys():
+            continue
+        alone = np.flatnonzero(np.all([np.isnan(others[n]) for n in sides if n in others], axis=0))
+        if not len(alone):
+            continue
+        table_alone = taken(table, alone)
+        # J between the turning points that P² has: those of the form may have lost their digits in doubles
+        found = [quadrature.turned(name, table_alone, own.at(n, table_alone)) for n in sides]
+        ends = [end for end, _ in found]
+        for n, side in zip(sides, found, strict=True):
+            compare(own, n, table_alone, *side, {})
+        if f"actions.{name}" in own.functions:
+            compare(own, f"actions.{name}", table_alone, *quadrature.action(name, table_alone, *ends), {})
 
 
 def _energy(own: Met, table: Table) -> None:
@@ -342,6 +450,16 @@ def line(own: Met) -> str:
     )
 
 
+def spread(own: Met) -> str:
+    """Return how far the constants of a regime's motions are spread: decades from the 5th to the 95th in a hundred."""
+    words = []
+    for name in own.constants[0]:
+        sizes = np.abs(np.concatenate([part[name] for part in own.constants]))
+        low, high = np.percentile(sizes, (5, 95))
+        words.append(f"{name} {np.log10(high / low):.1f}" if low > 0 else f"{name} 0")
+    return f"decades of constants, of {len(own.constants)} sets: {', '.join(words)}"
+
+
 def main(arguments: Sequence[str]) -> None:
     """Print the table.
 
@@ -364,6 +482,8 @@ def main(arguments: Sequence[str]) -> None:
             if not own.motions:
                 continue
             print(line(own), flush=True)
+            if options.each:
+                print(f"        {spread(own)}")
             for row in own.rows.values():
                 if options.each or row.nan or row.beyond:
                     words = f"{row.count} compared, {row.nan} nan, {row.beyond} beyond, {row.ulp:.3g} ulp"

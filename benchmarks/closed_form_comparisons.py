@@ -21,7 +21,7 @@ from hjsolve.closed_form.named_quantities import needed_names
 
 FAR = 100
 """Units of the last place that a form in doubles may be off, at condition 1."""
-JUDGED = 6
+JUDGED = 3
 """Differences of one number that are worked out again in many digits, the worst first."""
 _DIGITS = 25
 """Of a form that is worked out again."""
@@ -56,12 +56,22 @@ class Row:
 
 @dataclass
 class Met:
-    """A regime and what was found in it."""
+    """A regime and what was found in it.
+
+    Attributes:
+        form: of the regime.
+        context: of the solution.
+        motions: that were compared.
+        seeds: about which others are drawn.
+        constants: of the motions, a table for each set of parameters.
+        rows: name of a form → what was found.
+    """
 
     form: RegimeForms
     context: FormContext
     motions: int = 0
     seeds: Seeds | None = None
+    constants: list[Table] = field(default_factory=list)
     rows: dict[str, Row] = field(default_factory=dict)
 
     @cached_property

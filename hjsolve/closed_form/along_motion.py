@@ -21,13 +21,12 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regularised import Anomaly, Regularised, by_parameter
 from hjsolve.closed_form.tidy import elliptic, in_factors, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
-from hjsolve.closed_form.verification import sample_numbers, value_at
+from hjsolve.closed_form.verification import DIGITS, sample_numbers, value_at
 from hjsolve.closed_form.why_not import Contains, WhyNot
 from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.precision import mp
 
-_DIGITS = 40
 TIME = "t"
 """The key of t(ξ)."""
 
@@ -224,14 +223,14 @@ def verify_along(names: NamedQuantities, made: Regularised, key: sp.Symbol, valu
         NoFormError: they differ.
     """
     integral, q = made.own.integrals[key], made.curve.coordinate.symbol
-    with mp.workdps(_DIGITS + 20):
+    with mp.workdps(DIGITS + 20):
         ends = list[tuple[mpmath.mpf, mpmath.mpf]]()
         for ξ in made.span():
             at = names.numbers | {made.ξ: number_of(ξ, {})}
             there, got = (value_at(names.written_out(e), at) for e in (made.place, value))
             ends.append((got, value_at(integral.value, names.numbers | sample_numbers(made.own) | {q: there})))
         (a, b), (c, d) = ends
-        if not abs((c - a) - (d - b)) <= abs(d - b) * mp.mpf(10) ** -_DIGITS:
+        if not abs((c - a) - (d - b)) <= abs(d - b) * mp.mpf(10) ** -DIGITS:
             raise NoFormError("not verified: the form along the motion differs from the integral")
 
 

@@ -22,7 +22,9 @@ from hjsolve.separation import Separation
 from hjsolve.solution.quadratures import Solution, solve
 
 SECONDS = 20.0
+"""Of the processor for all regimes of a solution: what is not derived by then says so, and is on request."""
 _FEWEST, _MOST_DIGITS = 15, 200
+"""Digits of a comparison: what doubles show, and what a form is still compared to within seconds."""
 
 
 @arguments.with_known_names('closed_forms("kepler-planar", seconds=20)')
@@ -118,5 +120,9 @@ def _moved_inside(motion: Motion, name: str, place: sp.Expr) -> sp.Expr:
     if low is None and high is None:
         return place
     edge, sign = (low, 1) if low is not None else (sp.sympify(high), -1)
-    size = sp.Rational(1, 8) * (1 + abs(edge))
+    domain = motion.solution.system.coordinate(name).domain
+    end = domain.upper if sign > 0 else domain.lower
+    end = None if end is None else _rational(end.xreplace(dict(motion.initial.values)))
+    # an eighth of the way to the end of the domain, or of its own size: a fall from r = 1/10, or in units of 1e-20
+    size = (abs(edge) if end is None else abs(end - edge)) / 8 or sp.Rational(1, 8)
     return place if abs(place - edge) > size else edge + sign * size

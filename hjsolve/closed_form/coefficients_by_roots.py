@@ -83,6 +83,7 @@ def far_points(where: Where, example: Mapping[sp.Symbol, mpmath.mpf]) -> list[di
 
 def _sends_far(P: sp.Poly, letter: sp.Symbol) -> bool:
     leading, second = P.all_coeffs()[:2]
+    # a x² + b x + …: with a → 0 one root goes to −b/a, the others to those of what is left
     return bool(leading.subs(letter, 0) == 0 and second.subs(letter, 0) != 0)
 
 
@@ -94,6 +95,7 @@ def _with_names(where: Where, point: Mapping[sp.Symbol, mpmath.mpf]) -> dict[sp.
             if not meaning[0].free_symbols_in_domain <= known.keys():
                 continue
             values = ordered_real_roots(meaning[0], known, _DIGITS)
+            # a root that is complex there has no number among real roots: another regime
             if len(values) < meaning[0].degree():
                 return None
             known[symbol] = values[meaning[1]]

@@ -38,6 +38,7 @@ def with_common_factors(expression: sp.Expr) -> sp.Expr:
 def _power(power: sp.Pow) -> sp.Expr:
     if longer_than(power.base, LONGEST) or elliptic(power.base):  # K − E is written so that nothing cancels
         return power
+    # E L² k⁻² m⁻¹ + ½ under a root is written (2 E L² + k² m)/…: read off at once whether it is positive
     base = _shortest(power.base, grouped(power.base), _in_groups(sp.factor(power.base)))
     content, rest = base.as_coeff_Mul()
     if base is power.base or content < 0:
@@ -53,6 +54,7 @@ def _quotient(product: sp.Mul) -> sp.Expr:
     whole = [f for f in product.args if f.as_base_exp()[1].is_Integer and not elliptic(f)]
     sums = [f.as_base_exp() for f in whole if f.as_base_exp()[0].is_Add]
     rational = sp.Mul(*whole)
+    # one sum has nothing to cancel with, and without a denominator nothing cancels at all
     if len(sums) < 2 or all(power > 0 for _, power in sums) or longer_than(rational, LONGEST):
         return product
     made = _in_groups(sp.factor(rational))
@@ -100,6 +102,7 @@ def _bracket(part: sp.Expr) -> sp.Expr:
     saved = operations(part) - operations(made)
     if saved < 1 or not sums or not (saved >= _SAVED or len(sums) > 1 or sums[0].is_Pow):
         return part
+    # −(a − b)(c − d) is (b − a)(c − d): the minus sign goes where it makes one fewer
     odd = next((f for f in sums if f.is_Add and _mostly_negative(f)), None)
     if odd is not None and made.as_coeff_Mul()[0] < 0:
         turned = sp.Add(*(-term for term in odd.args))

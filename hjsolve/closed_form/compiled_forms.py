@@ -13,6 +13,7 @@ from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
 from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import CurveForArrays, FormulasForArrays, RootsOfPolynomial, Solved, roots_of
+from hjsolve.closed_form.evaluation import magnitude
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import at_example, curves_held, root_values
@@ -24,7 +25,7 @@ from hjsolve.functions.tables import own_modules
 from hjsolve.precision import for_the_user, mp, users_precision
 
 _SPECIAL = 1e-12
-"""How far a constant may be off what it is in a special case: it is a double."""
+"""Of the terms, how far a constant may be off its special value: both are doubles. E = 0 is 0, in any unit."""
 _DIGITS_BEYOND_DOUBLES = 30
 """Of what is not finite in doubles."""
 _BLOCK = 16384
@@ -116,9 +117,10 @@ class CompiledRegime:
         return [self.compiled(self.symbols, sign * e) for e, sign in self.form.regime.conditions.items()]
 
     @cached_property
-    def equal(self) -> list[_Compiled]:
-        """What is zero in the regime."""
-        return [self.compiled(self.symbols, c - e) for c, e in self.form.regime.special.items()]
+    def equal(self) -> list[tuple[_Compiled, _Compiled]]:
+        """What is zero in the regime, and the size of its terms."""
+        zeros = [c - e for c, e in self.form.regime.special.items()]
+        return [(self.compiled(self.symbols, e), self.compiled(self.symbols, magnitude(e))) for e in zeros]
 
     def for_arrays(self, curve: MomentumCurve) -> CurveForArrays:
         """Return a curve, made ready for arrays."""
@@ -160,7 +162,7 @@ class CompiledRegime:
         """
         numbers = [given[s] for s in self.symbols]
         # the cheap tests first: roots of 50 digits cost milliseconds
-        if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
+        if any(not abs(test(*numbers)) <= _SPECIAL * size(*numbers) for test, size in self.equal):
             return False
         if any(not test(*numbers) > 0 for test in self.tests):
             return False
@@ -187,8 +189,8 @@ class CompiledRegime:
         arrays = [table[s] for s in self.symbols]
         for test in self.tests:
             good &= np.asarray(test(*arrays)) > 0
-        for test in self.equal:
-            good &= np.abs(test(*arrays)) <= _SPECIAL
+        for test, size in self.equal:
+            good &= np.abs(test(*arrays)) <= _SPECIAL * size(*arrays)
         curves = [*(c for c, _ in self.curves), *(c for c, *_ in placed)]
         wanted = {id(c): self.for_arrays(c).at(table, shape, solved) for c in curves}
         places = [(c, r, self.place(c, symbol)) for c, r, symbol in placed]

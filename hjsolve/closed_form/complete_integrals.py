@@ -23,7 +23,7 @@ Fukushima, J. Comput. Appl. Math. 236 (2012) 1961 (B, D, J); DLMF 19.7.8 and 19.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import mpmath
 import sympy as sp
@@ -31,7 +31,7 @@ import sympy as sp
 from hjsolve.closed_form.coefficients_by_roots import far_points, in_roots
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import written_out
-from hjsolve.closed_form.tidy import longer_than
+from hjsolve.closed_form.tidy import linear_in, longer_than
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.precision import mp
 
@@ -41,14 +41,6 @@ _LONGEST = 250
 """Operations of a coefficient that is factored: longer ones may take sympy seconds."""
 _NEAR = 2**-20
 """Part of its distance from a pole at which a root is put to see what a coefficient loses there."""
-
-
-@dataclass
-class _Sum:
-    """Σ coefficient × integral + rest."""
-
-    weights: dict[sp.Expr, sp.Expr] = field(default_factory=dict)
-    rest: sp.Expr = sp.S.Zero
 
 
 @dataclass(frozen=True)
@@ -95,16 +87,16 @@ class CompleteIntegrals:
         if not expression.has(*COMPLETE):
             return expression
         if expression not in self._known:
-            total = _linear(expression)
+            total = linear_in(expression, _complete)
             self._known[expression] = (
                 expression.func(*map(self.arranged, expression.args)) if total is None else self._written(total)
             )
         return self._known[expression]
 
-    def _written(self, total: _Sum) -> sp.Expr:
-        value = total.rest
-        for m in sorted({i.args[-1] for i in total.weights}, key=sp.default_sort_key):
-            value += self._of_parameter(m, {i: w for i, w in total.weights.items() if i.args[-1] == m})
+    def _written(self, total: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+        value = total.pop(sp.S.One, sp.S.Zero)
+        for m in sorted({i.args[-1] for i in total}, key=sp.default_sort_key):
+            value += self._of_parameter(m, {i: w for i, w in total.items() if i.args[-1] == m})
         return value
 
     def _of_parameter(self, m: sp.Expr, weights: dict[sp.Expr, sp.Expr]) -> sp.Expr:
@@ -121,9 +113,11 @@ class CompleteIntegrals:
             pole = self._pole(A, n, m)
             if pole is None:
                 a += A
+                # n J(n) = ⅓ n R_J(0, 1 − m, 1, 1 − n), DLMF 19.25.2
                 value += A * n * CarlsonRJ(0, c, 1, self._one_minus(n)) / 3
                 continue
             poles.append(pole)
+            # n → m/n, DLMF 19.7.8 and 19.7.9: with n² > m it is |m/n| < √m, and what is left of Π does not grow
             ratio = self.tidy(m / n)
             weight = _either(A * n, pole.far, -self.tidy(A * m / n))
             value += weight * CarlsonRJ(0, c, 1, _either(self._one_minus(n), pole.far, self._one_minus(ratio))) / 3
@@ -182,6 +176,7 @@ class CompleteIntegrals:
         # A² n/((1 − n)(n − m)) ≤ 0: the residue is not real, and there is no half turn
         if 0 <= at_n <= at_m or at_n >= 1:
             return None
+        # its root is the half turn by ½π: rational in the roots, and free of them where the residue is a constant
         square = A**2 * n / ((1 - n) * (n - m))
         explicit = self.written_out(self.written_out(square).xreplace(self.radicals))
         size = sp.sqrt(_without_root(explicit) or self.tidy(square))
@@ -208,6 +203,7 @@ class CompleteIntegrals:
             m: the parameter.
         """
         m = self.written_out(m)
+        # 1 − (a − b)/(c − b) is (c − a)/(c − b): a difference of roots, known to its last place where they are
         above, below = sp.fraction(sp.together(m))
         if below == 1:
             return None
@@ -290,6 +286,7 @@ class CompleteIntegrals:
             total = sp.Mul(*held)
             if len(held) < 2 or longer_than(total, _LONGEST):
                 continue
+            # (c − x₁)(c − x₂) is P(c)/a where both roots are radicals: without one, and nothing cancels next to c
             made = sp.factor(sp.expand(total.xreplace(self.radicals)))
             if _rooted(made) or sp.count_ops(made) > 2 * sp.count_ops(total):
                 continue
@@ -320,6 +317,7 @@ def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mappin
         if len(held) == 1 and base.is_Add:
             (x,) = held
             slope = base.coeff(x)
+            # s (x − c): the same c must occur with every root of P
             if slope.is_number and slope != 0 and (c := sp.expand(x - base / slope)) not in numbers and not c.has(x):
                 places.setdefault(c, {})[numbers[x]] = (base, slope)
     for c, found in places.items():
@@ -332,6 +330,7 @@ def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mappin
             continue
         for base, slope in found.values():
             del factors[base]
+            # Π s (xⱼ − c) = (−1)ⁿ sⁿ P(c)/a, one factor −s for each root
             value *= -slope
         for factor in sp.Mul.make_args(value):
             base, own = factor.as_base_exp()
@@ -370,6 +369,7 @@ def _without_root(e: sp.Expr) -> sp.Expr | None:
     if len({p.base for p in powers}) != 1 or longer_than(e, _LONGEST) or any((2 * p.exp).q != 1 for p in powers):
         return None
     (D,), s = {p.base for p in powers}, sp.Dummy("s")
+    # e = (a₀ + a₁ s)/(b₀ + b₁ s), s² = D, does not depend on the sign of s where a₁ b₀ = a₀ b₁
     above, below = sp.fraction(sp.together(e.xreplace({p: s ** (2 * p.exp) for p in powers})))
     if above.is_polynomial(s) and below.is_polynomial(s):
         a, b = (sp.rem(sp.expand(part), s**2 - D, s) for part in (above, below))
@@ -379,31 +379,8 @@ def _without_root(e: sp.Expr) -> sp.Expr | None:
     return None
 
 
-def _linear(e: sp.Expr) -> _Sum | None:
-    """Return an expression as a sum of complete integrals; None where it is not linear in them."""
-    if not any(_complete(i) for i in e.atoms(*COMPLETE)):
-        return _Sum(rest=e)
-    if isinstance(e, COMPLETE):
-        return _Sum({e: sp.S.One}) if _complete(e) else None
-    if e.is_Add:
-        total = _Sum()
-        for term in e.args:
-            if (part := _linear(term)) is None:
-                return None
-            total.rest += part.rest
-            for integral, weight in part.weights.items():
-                total.weights[integral] = total.weights.get(integral, sp.S.Zero) + weight
-        return total
-    if e.is_Mul:
-        held = [f for f in e.args if f.has(*COMPLETE)]
-        if len(held) == 1 and (part := _linear(held[0])) is not None:
-            others = sp.Mul(*(f for f in e.args if f is not held[0]))
-            return _Sum({i: w * others for i, w in part.weights.items()}, part.rest * others)
-    return None
-
-
 def _complete(integral: sp.Expr) -> bool:
-    return len(integral.args) == (2 if isinstance(integral, sp.elliptic_pi) else 1)
+    return isinstance(integral, COMPLETE) and len(integral.args) == (2 if isinstance(integral, sp.elliptic_pi) else 1)
 
 
 def _either(first: sp.Expr, condition: sp.Expr, second: sp.Expr) -> sp.Expr:

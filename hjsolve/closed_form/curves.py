@@ -68,6 +68,7 @@ class MomentumCurve(Shown):
         Args:
             special_case: constant → what it is.
         """
+        # with E = 0 the leading coefficient drops out, or two roots meet: another P, and another S
         special = replace(self.substitution, function=self.substitution.function.subs(dict(special_case)))
         found = momentum_curve(special, self.coordinate, self.momentum_squared)
         return None if found is None else replace(found, generic=self.generic, special_case=dict(special_case))
@@ -110,6 +111,7 @@ def _plainness(curve: MomentumCurve) -> tuple[int, ...]:
     if 2 < curve.degree <= 4:
         bare, _ = named_constants(P.as_expr(), x)
         factors = [sp.Poly(f, x) for f, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]]
+        # factors to second degree, or even ones, have roots in radicals: their forms hold no numbered roots
         plain = all(f.degree() <= 2 or not any(n % 2 for (n,) in f.monoms()) for f in factors)
     place, q = curve.substitution.place, curve.coordinate.symbol
     degree = max(curve.degree, 2) if place == 1 / q else curve.degree
@@ -127,6 +129,7 @@ def genus(degree: int) -> int:
     Args:
         degree: of P, squarefree.
     """
+    # the number of independent integrals of the first kind: 0 elementary, 1 elliptic (Legendre), 2 and more neither
     return max(0, (degree - 1) // 2)
 
 
@@ -176,6 +179,7 @@ def _squares(content: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
             continue
         base, power = factor.as_base_exp()
         if power.is_Integer and base.is_positive:
+            # only of what is positive for all letters: of others the sign would be lost
             whole, half = divmod(abs(int(power)), 2)
             outside *= base ** (whole * sp.sign(power))
             inside *= base ** (half * sp.sign(power))

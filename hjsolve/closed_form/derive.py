@@ -15,14 +15,16 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
 from hjsolve.closed_form.regime import described_regime
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
-from hjsolve.closed_form.signs import Signs, sign_of_many_digits
+from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.special_cases import deciders, fixed_constant, special_cases_of
 from hjsolve.closed_form.time_limit import OutOfTimeError, out_of_time
 from hjsolve.closed_form.verification import flaws
 from hjsolve.precision import mp
 
 MOST_REGIMES = 16
+"""Of a solution, as they are met: a motion in another one has its own derived."""
 _SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
+"""Motions that are drawn to meet regimes, fewer where a constant is fixed already; always the same ones."""
 
 
 def forms_of_solution(context: FormContext, known: Sequence[RegimeForms] = ()) -> tuple[RegimeForms, ...]:
@@ -66,7 +68,7 @@ def _ordered(found: list[RegimeForms]) -> tuple[RegimeForms, ...]:
 def _by_chance(special_values: Sequence[sp.Expr], sample: Sample) -> bool:
     """Return whether random constants happen to be special ones, whose forms are not those of general constants."""
     at = Signs(sample.values, mp.mpf(0))
-    return any(sign_of_many_digits(at.number(value)) == 0 for value in special_values)
+    return any(at.there(value) == 0 for value in special_values)
 
 
 def _alike(form: RegimeForms, sample: Sample) -> bool:

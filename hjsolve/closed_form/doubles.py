@@ -32,13 +32,13 @@ Table = Mapping[sp.Symbol, Reals]
 _PAIRS = RunningError(DoubleDouble(), own=8, bits=102)
 """Two doubles with bounds: an operation is right to four units of 2⁻¹⁰⁴, an elementary function to 2⁻¹⁰⁰."""
 _TOLERANCE = 1e-12
-"""In units of the coordinate, how far beyond a turning point a place may be by its rounding, as in ``regions``."""
+"""Of itself, how far beyond a turning point a place may be by its rounding, as in ``regions``."""
 _EDGE = 1e-3
 """About the edge of that tolerance, in units of it, 50 digits decide."""
 _ROUNDED = 4 * 2.0**-52
 """How far a root may be off, by its size, to be one with all its digits."""
-_SPARE = 1e-25
-"""Leading coefficients below this part of the greatest, and roots as near, are none in ``regions``: it decides."""
+_SPARE = 2e-22
+"""Of themselves, how near roots, or a root and an end, are left to ``regions``: twice what it calls the same."""
 
 
 class FormulasForArrays:
@@ -110,15 +110,11 @@ class RootsOfPolynomial:
         """
         found = self.coefficients(table, shape)
         roots = real_roots([value for value, _ in found], [off for _, off in found])
-        size = np.max([abs(value.high) for value, _ in found], axis=0)
         with np.errstate(all="ignore"):
-            gaps = np.diff(np.where(np.isfinite(roots.roots), roots.roots, np.nan), axis=0)
-            widest = np.max(abs(np.where(np.isfinite(roots.roots), roots.roots, 0.0)), axis=0)
-            # ``regions`` calls roots as near the same: twice that, and it must be asked
-            close = (gaps <= 2 * _SPARE * widest).any(axis=0)
-            few = abs(found[0][0].high) <= 2 * _SPARE * size
+            real = np.where(np.isfinite(roots.roots), roots.roots, np.nan)
+            close = (np.diff(real, axis=0) <= _SPARE * np.fmax(abs(real[1:]), abs(real[:-1]))).any(axis=0)
         leading = np.asarray(found[0][0].high)
-        return RealRoots(roots.roots, roots.errors, roots.unsure | close | few), leading
+        return RealRoots(roots.roots, roots.errors, roots.unsure | close), leading
 
     def once(self, table: Table, shape: tuple[int, ...], solved: Solved) -> tuple[RealRoots, Reals]:
         """Return the same, from ``solved`` where it is there.
@@ -179,6 +175,7 @@ class CurveForArrays:
                 rest = sp.quo(rest, sp.Poly(x - end, x))
             at_ends.append(there)
         # P is a number by its ends alone: (1 − x²) c
+        # the methods for roots need a degree
         if rest.degree() == 0:
             rest = sp.Poly(rest.LC() * (x**2 + 1), x)  # like a constant it has no real root, and its sign
         return rest, (at_ends[0], at_ends[1])
@@ -232,21 +229,23 @@ class CurveForArrays:
                 ends.append((np.asarray(value.high), off + abs(value.low)))
             else:
                 ends.append((np.full(shape, far), np.zeros(shape)))
+        # forms of one coordinate ask for the same roots: they are found once a block
         roots, leading = self.roots.once(table, shape, solved)
         return RootsInDomain(roots, leading, (ends[0], ends[1]), self.without_ends[1])
 
     def place(self, symbol: sp.Symbol) -> FormulasForArrays | None:
-        """Return a place, its x, and how far it is inside the ends of the domain, or of the turn.
+        """Return a place, its x, dx/dq, the turn or 0, and how far the place is inside the ends of domain or turn.
 
         Args:
             symbol: of the place: the coordinate, or a lower limit.
         """
         s, (first, last) = self.curve.substitution, self.curve.ends
         x = s.place.subs(self.curve.coordinate.symbol, symbol)
+        first_four = [symbol, x, sp.diff(x, symbol), s.turn if s.closed else sp.S.Zero]
         if s.closed:
-            return formulas_of([symbol, x, s.turn / 2 - sp.Abs(symbol - s.inverse.subs(s.x, 0))])
+            return formulas_of([*first_four, s.turn / 2 - sp.Abs(symbol - s.inverse.subs(s.x, 0))])
         inside = [a for a, end in ((symbol - first, first), (last - symbol, last)) if end.is_finite]
-        return formulas_of([symbol, x, *inside])
+        return formulas_of([*first_four, *inside])
 
 
 @dataclass(frozen=True)
@@ -278,6 +277,7 @@ class RootsInDomain:
         # roots are numbered as in ``regions``: those at the ends for all constants count
         start = region.lower[1] if region.lower[0] == "root" else first - 1
         stop = region.upper[1] if region.upper[0] == "root" else first + inside
+        # neighbours among the roots: another one between them is where the motion turns
         exists = (total == len(region.roots)) & (stop == start + 1)
         if region.lower[0] == "root":
             exists = exists & (start >= first) & (start < first + inside)
@@ -293,7 +293,8 @@ class RootsInDomain:
         """Return how many roots are below a place, and where a root may be on either side of it."""
         known = np.isfinite(self.roots.roots)
         apart = np.where(known, self.roots.roots, 0.0) - there
-        spacing = 2 * _SPARE * (1 + abs(np.where(known, self.roots.roots, 0.0)))
+        spacing = _SPARE * abs(np.where(known, self.roots.roots, 0.0))
+        # a root known to e, an end known to δ: on which side it is, is known where they are further apart
         doubt = known & (abs(apart) <= self.roots.errors + off + spacing)
         return (known & (apart < 0)).sum(axis=0), np.asarray(doubt.any(axis=0))
 
@@ -304,18 +305,22 @@ class RootsInDomain:
             region: between roots and ends, by their numbers.
             place: what ``CurveForArrays.place`` says of it.
         """
-        (q, _), (x, x_off), *within = place
-        tolerance = _TOLERANCE * (1 + abs(np.asarray(q.high)))
-        # the tolerance of q, in x
-        wide = tolerance * (1 + abs(x.high))
+        (q, _), (x, x_off), (slope, _), (turn, _), *within = place
+        tolerance = _TOLERANCE * np.fmax(abs(np.asarray(q.high)), turn.high)
         (begin, begin_off), (stop, stop_off) = self._side(region.lower, 0), self._side(region.upper, 1)
+        with np.errstate(all="ignore"):
+            moved, width = tolerance * abs(np.asarray(slope.high)), abs(stop - begin)
+        # the tolerance of q, in x, and the rounding of x, as in ``regions``
+        wide = np.where(np.isfinite(moved), moved, 0.0) + _TOLERANCE * abs(x.high)
+        wide = wide + np.where(np.isfinite(width), _TOLERANCE * width, 0.0)
         distances = [(np.asarray(w.high), off, tolerance) for w, off in within]
         distances += [(x.high - begin, x_off + begin_off, wide), (stop - x.high, x_off + stop_off, wide)]
         inside, unsure = np.ones(self.leading.shape, dtype=bool), self.roots.unsure | ~np.isfinite(x.high)
         for distance, off, near in distances:
             inside = inside & (distance >= -near)
             # the tolerance itself is no number to be exact about: next to its edge 50 digits decide
-            unsure = unsure | ~(np.isinf(distance) | (abs(distance + near) > off + _EDGE * near))
+            exact = (distance == 0) & (off == 0)
+            unsure = unsure | ~(np.isinf(distance) | exact | (abs(distance + near) > off + _EDGE * near))
         return inside, unsure
 
     def _side(self, end: tuple[str, int], side: int) -> tuple[Reals, Reals]:

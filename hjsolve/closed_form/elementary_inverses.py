@@ -45,6 +45,7 @@ def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, na
     elif basic.kind == "line":
         u = u_0 + sp.expand(positive_root(C) * direction * amount)
     else:
+        # ∫ du/√(A u²) is a logarithm
         u = u_0 * sp.exp(sp.expand(basic.sign_of_u * direction * positive_root(A) * amount))
     return u if basic.place is None else basic.place + 1 / u
 
@@ -160,6 +161,7 @@ def square_root_inverse(
     C, B, A = (sp.Poly(law.polynomial, law.x).coeff_monomial(law.x**k) for k in range(3))
     middle, square = sp.cancel(-B / (2 * A)), sp.expand(sp.cancel(B**2 / (4 * A**2) - C / A))
     start = positive_root(sp.sympify(law.polynomial).subs(law.x, begin))
+    # a √P is linear in the variable: P = A ((x − c)² − h²) is solved for x − c
     root = Phase(names, amount, 1 / law.algebraic, start, even=True).argument
     return middle + side * sp.sqrt(sp.factor(square) + root**2 / A)
 
@@ -179,6 +181,7 @@ def _centred(basic: BasicIntegral, amount: sp.Expr, u_0: sp.Expr, names: NamedQu
             d = names.named("d", 1 / square_root(square), positive=True)
             level = side * u_0 * d
     else:
+        # p = 1/c and e = h/c: what a book calls latus rectum and eccentricity
         h = side * _eccentricity(basic, names)
         p = names.named("p", sp.factor(1 / centre))
         level = (p * u_0 - 1) / h

@@ -16,7 +16,9 @@ from hjsolve.closed_form.why_not import NotFound, WhyNot
 from hjsolve.precision import mp
 
 MOST_OPERATIONS = 120
+"""Of E(J): nobody reads a longer one, and its parts take sympy seconds."""
 _DIGITS, _AGREE = 60, 40
+"""Digits at the example, and those in which a root of the equation is the constant: 20 are left to cancellation."""
 
 
 def solved_for_constants(

@@ -143,6 +143,7 @@ class Evaluator:
 
     def _differentiated(self, e: sp.Expr, q: sp.Symbol) -> int | None:
         """Return the line of ∂e/∂q; None where e does not hold q."""
+        # forward derivatives: each part has a line for its slope, and parts free of q have none
         if e == q:
             return self._line(sp.S.One)
         parts = [(k, slope) for k, a in enumerate(e.args) if (slope := self._slope(a, q)) is not None]
@@ -155,6 +156,7 @@ class Evaluator:
             if e.is_Mul:
                 terms.append(self._emit(_product, slope, *(self._line(a) for j, a in enumerate(e.args) if j != k)))
             elif e.is_Pow:
+                # ∂(bᵃ) = a bᵃ⁻¹ ∂b + bᵃ ln b ∂a
                 by = e.exp * e.base ** (e.exp - 1) if k == 0 else e * sp.log(e.base)
                 terms.append(self._emit(_product, slope, self._line(by)))
             else:
@@ -170,6 +172,27 @@ def number_of(expression: sp.Expr, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> m
         numbers: symbol → number, of every symbol.
     """
     return evaluator(expression).at(numbers)[0]
+
+
+@lru_cache(maxsize=4096)
+def magnitude(e: sp.Expr) -> sp.Expr:
+    """Return the sum of the moduli of an expression's terms, by which its rounding errors are measured.
+
+    A number is zero, or not, by what cancels in it, and in no unit: E − V₀ of 1e-60 is zero where both are 1, and E
+    alone is not, however small. With n digits a sum is off by 10⁻ⁿ Σ|terms|, a product by its factors' parts (Higham,
+    Accuracy and Stability of Numerical Algorithms, 2002, section 3.1).
+
+    Args:
+        e: of parameters and constants.
+    """
+    if e.is_Add or e.is_Mul:
+        return e.func(*map(magnitude, e.args))
+    if e.is_Pow and e.exp.is_Rational and e.exp.is_positive:
+        return magnitude(e.base) ** e.exp
+    if e.is_number:
+        return abs(e)
+    # unevaluated: sympy would look for the sign of every long part
+    return e if e.is_Symbol and e.is_positive else sp.Abs(e, evaluate=False)
 
 
 @lru_cache(maxsize=2048)
@@ -207,6 +230,7 @@ def _applied(rule: Rule, operands: list[mpmath.mpf]) -> mpmath.mpf:
     if any(isinstance(x, mp.mpc) and not mp.isfinite(x) for x in operands):
         return mp.nan  # of which mpmath's arc functions raise a TypeError
     try:
+        # poles and what mpmath has no number for are nan: a case of the form that is not taken may have them
         return rule(*operands)
     except (ZeroDivisionError, ValueError):
         return mp.nan
@@ -241,6 +265,7 @@ def _integer_power(n: int) -> Rule:
 def _constant(e: sp.Expr) -> Rule:
     """Return a constant in the precision that is asked then."""
     if e.is_Rational:
+        # exact until the precision is known: a float would fix it at 53 bits
         part = Fraction(int(e.p), int(e.q))
         return lambda: mp.mpf(part.numerator) / part.denominator
     if e.is_Float:
@@ -267,5 +292,6 @@ def _third_kind(n: mpmath.mpf, *rest: mpmath.mpf) -> mpmath.mpf:
     """Π(n; φ|m) or Π(n|m); nan beyond the pole and of complex arguments, where mpmath integrates numerically."""
     if any(isinstance(x, mp.mpc) for x in (n, *rest)):
         return mp.nan
+    # beyond the pole, 1 − n sin² φ ≤ 0, it is a principal value (DLMF 19.2.7), which mpmath does not have
     sine = mp.sin(rest[0]) if len(rest) == 2 else mp.mpf(1)
     return mp.ellippi(n, *rest) if n * sine**2 < 1 else mp.nan

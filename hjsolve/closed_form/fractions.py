@@ -29,10 +29,12 @@ def partial_fractions(R: sp.Expr, x: sp.Symbol, signs: Signs) -> PartialFraction
     made = _split(R, x)
     poles, complex_poles = list[tuple[sp.Expr, int, sp.Expr]](), list[tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]]()
     for k, (factor, power) in enumerate(made.factors):
+        # the sign of 4ac − b² is one of the regime: real zeros give logarithms or Π, a pair a complex pole
         D = _lacking(factor, x)
         if D is None or signs.sign(D.xreplace(made.back)) < 0:
             poles += _at_real_places(R, x, k)
         elif power > 1:
+            # by parts such poles lower their order (Hermite), and a derivation of that is not there for pairs
             raise NoFormError(f"the integrand has multiple poles at complex places, where {factor} = 0")
         else:
             complex_poles.append(_at_complex_places(R, x, k))
@@ -64,7 +66,8 @@ class _Split:
 
 @lru_cache(maxsize=256)
 def _split(R: sp.Expr, x: sp.Symbol) -> _Split:
-    """Return the same integrands come back in every regime of a curve."""
+    """Split a rational function; the same integrands occur in every regime of a curve."""
+    # √2 and sin α by letters: sympy factors over the rationals, where a letter is as good
     bare, back = named_constants(R, x)
     top, bottom = sp.fraction(sp.cancel(sp.together(bare)))
     whole, rest = sp.div(sp.Poly(top, x), sp.Poly(bottom, x)) if bottom.has(x) else (sp.Poly(top / bottom, x), None)
@@ -81,6 +84,7 @@ def _at_real_places(R: sp.Expr, x: sp.Symbol, k: int) -> tuple[tuple[sp.Expr, in
     made, poles = _split(R, x), list[tuple[sp.Expr, int, sp.Expr]]()
     (factor, power), others = made.factors[k], made.others(k)
     for place, cofactor in _zeros(factor, x):
+        # of g/(x − r)ⁿ the weight of (x − r)^{k − n} is g⁽ᵏ⁾(r)/k!, Taylor's coefficient
         g = made.rest.as_expr() / (others * cofactor**power)
         for order in range(power):
             weight = sp.diff(g, x, order).subs(x, place) / sp.factorial(order)
@@ -97,6 +101,7 @@ def _at_complex_places(R: sp.Expr, x: sp.Symbol, k: int) -> tuple[sp.Expr, sp.Ex
     a, b, _ = sp.Poly(factor, x).all_coeffs()
     D = required(_lacking(factor, x))
     re, im = -b / (2 * a), sp.sqrt(D) / (2 * sp.sqrt(a**2))
+    # modulo the factor, 1/others is a polynomial (Bézout): the numerator is found without complex zeros
     inverse = sp.invert(sp.Poly(others, x), sp.Poly(factor, x)) if others.has(x) else sp.Poly(1 / others, x)
     line = sp.rem(made.rest * inverse, sp.Poly(factor, x))
     A, B = (sp.factor(line.coeff_monomial(x**k) / a).xreplace(made.back) for k in (1, 0))
@@ -119,6 +124,7 @@ def _zeros(factor: sp.Expr, x: sp.Symbol) -> list[tuple[sp.Expr, sp.Expr]]:
         return [(sp.cancel(-b / a), a)]
     if len(coefficients) == 3:
         a, b, c = coefficients
+        # which of the two is the lower one depends on the sign of a, and nothing rests on it
         D = sp.factor(b**2 - 4 * a * c)
         low, high = ((-b + s * sp.sqrt(D)) / (2 * a) for s in (-1, 1))
         return [(low, a * (x - high)), (high, a * (x - low))]

@@ -27,7 +27,7 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monot
 from hjsolve.closed_form.square_curves import SquareCurve
 from hjsolve.closed_form.tidy import elliptic, multiplied_out, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
-from hjsolve.closed_form.verification import nearby, sample_numbers, sample_place, value_at
+from hjsolve.closed_form.verification import DIGITS, nearby, sample_numbers, sample_place, value_at
 from hjsolve.closed_form.why_not import (
     Contains,
     IndependentIntegrals,
@@ -41,8 +41,6 @@ from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp
-
-_DIGITS = 40
 
 
 def inverse_forms(
@@ -376,7 +374,7 @@ def verified_inverse(
     check_time()
     q = integral.curve.coordinate.symbol
     stop = nearby(own, integral)
-    with mp.workdps(_DIGITS + 20):
+    with mp.workdps(DIGITS + 20):
         numbers = {**sample_numbers(own), **(others or {})}
         free = sorted(value.free_symbols - set(numbers), key=str)
         numbers |= {s: mp.mpf(k + 2) / 7 for k, s in enumerate(free)}
@@ -385,11 +383,14 @@ def verified_inverse(
         difference = value_at(integral.value, numbers | {q: target}) - value_at(
             integral.value, numbers | {q: numbers[start]}
         )
+        # as large as the integral in any unit: next to a β of 1 an integral of 1e-36 would have no digits
+        numbers |= {s: numbers[s] * difference / value_at(sp.diff(value, s), numbers) for s in free}
         unknown, offset = free[0], value_at(value, numbers)
         # the value is linear in each of t and the β, so one step of Newton's rule is exact
         numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
         got = _value(place, names, numbers)
-        if not abs(got - target) <= (abs(target) + mp.mpf(10) ** -5) * mp.mpf(10) ** -_DIGITS:
+        # by both places, one of which may be at 0: in no unit
+        if not abs(got - target) <= (abs(target) + abs(numbers[start])) * mp.mpf(10) ** -DIGITS:
             raise NoFormError(f"not verified: the inverse gives {mp.nstr(got, 15)} for {mp.nstr(target, 15)}")
         # a turn later an arc function would be back at its first value, am u goes on
         if own.kind == "rotation" and integral.cycle is not None:
@@ -397,7 +398,7 @@ def verified_inverse(
             turn = value_at(integral.curve.substitution.turn, numbers)
             # the angle itself, or the angle and a whole turn
             turned = mp.sin((_value(place, names, numbers) - target) * mp.pi / turn)
-            if not abs(turned) <= mp.mpf(10) ** -_DIGITS:
+            if not abs(turned) <= mp.mpf(10) ** -DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
     return place
 
@@ -450,7 +451,7 @@ def _along(
             more, along = pieces[other], pieces[other].integrals[key]
             q, start = along.curve.coordinate.symbol, solution.lower_limits[other]
             value -= along.value - along.value.xreplace({q: start})
-            with mp.workdps(_DIGITS + 20):
+            with mp.workdps(DIGITS + 20):
                 numbers |= sample_numbers(more)
                 numbers |= {q: number_of(nearby(more, along), {}), start: sample_place(more)}
     return inverted(own, own.integrals[key], value, solution.lower_limits[target], names, numbers)

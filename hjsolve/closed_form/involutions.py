@@ -9,20 +9,23 @@ are linearly dependent (Bolza, Amer. J. Math. 10 (1887) 47).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, genus, momentum_curve
 from hjsolve.closed_form.liouville import not_elementary
+from hjsolve.closed_form.regions import complex_roots
 from hjsolve.closed_form.root_of_a_wave import conic_variables
 from hjsolve.closed_form.why_not import HighGenus, NotFound, WhyNot
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp
 
 _DIGITS = 60
+"""Of branch points: twice what tells a determinant from zero, for those of nearly double roots."""
 _NOTHING = mp.mpf(10) ** -25
+"""Of its terms, what is left of a determinant that is zero: roots have 60 digits, nearly double ones half as many."""
 
 
 def why_no_form(found: Iterable[MomentumCurve]) -> WhyNot:
@@ -101,10 +104,9 @@ def _in_involution(P: sp.Poly) -> bool:
     """Return whether a Möbius involution exchanges the six branch points of a curve of genus 2."""
     with mp.workdps(_DIGITS):
         coefficients = [mp.mpf(int(c.p)) / int(c.q) for c in P.all_coeffs()]
-        roots = mp.polyroots(coefficients, maxsteps=400, extraprec=400)
-        points = [(root, mp.mpf(1)) for root in roots]
+        points = [(root, mp.mpf(1)) for root in complex_roots(coefficients, _DIGITS)]
         points += [(mp.mpf(1), mp.mpf(0))] * (6 - len(points))
-        return any(_dependent([_quadratic(*pair) for pair in pairs]) for pairs in _pairings(points))
+        return any(_dependent(pairs) for pairs in _pairings(points))
 
 
 Point = tuple[mpmath.mpc, mpmath.mpf]
@@ -112,13 +114,18 @@ Point = tuple[mpmath.mpc, mpmath.mpf]
 
 
 def _quadratic(p: Point, q: Point) -> list[mpmath.mpc]:
-    row = [p[1] * q[1], -(p[0] * q[1] + p[1] * q[0]), p[0] * q[0]]
-    size = max(map(abs, row))
-    return [c / size for c in row]
+    """Return the coefficients of the form with zeros p and q: three pairs of an involution have dependent ones."""
+    return [p[1] * q[1], -(p[0] * q[1] + p[1] * q[0]), p[0] * q[0]]
 
 
-def _dependent(rows: list[list[mpmath.mpc]]) -> bool:
-    return bool(abs(mp.det(mp.matrix(rows))) < _NOTHING)
+def _dependent(pairs: Sequence[tuple[Point, Point]]) -> bool:
+    """Return whether a determinant is zero, by the size of the terms it is made of: x → σx multiplies both by σ³."""
+    (a, b, c), (d, e, f), (g, h, i) = (_quadratic(*pair) for pair in pairs)
+    whole = mp.fsum((a * e * i, b * f * g, c * d * h, -c * e * g, -b * d * i, -a * f * h))
+    # −(p + q) of p = −q is rounding: its size is |p| + |q|
+    rows = ([abs(p[1] * q[1]), abs(p[0] * q[1]) + abs(p[1] * q[0]), abs(p[0] * q[0])] for p, q in pairs)
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    return bool(abs(whole) <= _NOTHING * mp.fsum((a * e * i, b * f * g, c * d * h, c * e * g, b * d * i, a * f * h)))
 
 
 def _pairings(points: list[Point]) -> Iterator[tuple[tuple[Point, Point], ...]]:

@@ -55,6 +55,7 @@ class NamedQuantities:
             short: operations up to which the quantity needs no name; of numbers and symbols none has.
             positive: whether it is known to be positive.
         """
+        # a reader looks each name up: what is as short as its name has none
         if meaning.is_number or meaning.is_Symbol or (short and sp.count_ops(meaning) <= short):
             return meaning
         known = next((s for s, m in self.where.items() if not isinstance(m, tuple) and m == meaning), None)
@@ -76,6 +77,7 @@ class NamedQuantities:
             letter: wished for.
             meaning: the definition.
         """
+        # two formulas of one number are not the same to sympy; to 40 digits at a motion of the regime they are
         value = self._value(meaning)
         known = (s for s, m in self.where.items() if s.name.startswith(letter) and not isinstance(m, tuple))
         for symbol in known:
@@ -102,6 +104,7 @@ class NamedQuantities:
             base, power = factor.as_base_exp()
             held = base.free_symbols
             difference = base.is_Add and power.is_Integer and held & self.roots and held <= numbers.keys()
+            # roots keep their order in a regime: x₃ − x₂ is positive everywhere, if it is so at one motion
             if difference and number_of(base, numbers) < 0:
                 factor, turned = sp.Add(*(-term for term in base.args)) ** power, turned * (-1) ** int(power)
             factors.append(factor)
@@ -124,6 +127,7 @@ class NamedQuantities:
                 table[angle] = angle
                 continue
             function, (inside,) = angle.func, angle.args
+            # arcsin √s has the same name for either way to write s, if its differences are oriented
             even = inside.as_base_exp()[1] == sp.S.Half
             plain = function(sp.sqrt(self.oriented(sp.factor(inside.base)))) if even else function(inside)
             table[angle] = plain
@@ -135,6 +139,7 @@ class NamedQuantities:
         here, there = dict[sp.Expr, sp.Expr](), dict[sp.Expr, sp.Expr]()
         for angle, plain in table.items():
             number = 0
+            # F, E and Π of a coordinate have one amplitude: one χ for all of them, and χ₀ at the lower limit
             pair = next(((χ, χ_0) for χ, χ_0 in self._pairs if self.where[χ] == plain), None)
             while pair is None:
                 letter = f"chi_{number}" if number else "chi"
@@ -168,6 +173,7 @@ class NamedQuantities:
             return e if not e.args or sp.count_ops(e) < LONG_PART else self.named("c", e)
         if not e.args or not depends.has_constants(e):
             return e
+        # only sums and products may be parted into what varies and what does not
         if not (e.is_Add or e.is_Mul):
             return e.func(*(self._parts(part, depends) for part in e.args))
         constant = e.func(*(part for part in e.args if not depends.moves(part)))
@@ -343,6 +349,7 @@ class Phase:
         self.names, self.even = names, even
         running = sp.expand(multiplied_out(amount), deep=False)
         moving = [v for v in names.variables if running.has(v)]
+        # linear in one variable, α v + β: the argument is ω (v − v_p), with the place of the turning point in it
         if len(moving) == 1 and not running.has(*names.places) and (α := running.coeff(moving[0])) != 0:
             self.argument = self._about(moving[0], factor * α, running / α, begin)
             return
@@ -350,6 +357,7 @@ class Phase:
         size, sign = without_sign(shortened_powers(factor))
         rate = sign * names.named("kappa", size, short=LONG_FACTOR, positive=True)
         parts = [shortened_powers(rate * term) for term in sp.Add.make_args(running)]
+        # of an integral over another coordinate nothing is linear: what is constant in it is one phase δ
         δ = names.named("delta", -sp.Add(*(part for part in parts if not part.has(*held)), begin))
         self.argument = sp.Add(*(part for part in parts if part.has(*held))) - δ
 
@@ -358,6 +366,7 @@ class Phase:
         rate = self.names.named("omega" if v.name in ("t", "tau") else "kappa", size, short=SHORT, positive=True)
         terms = sp.Add.make_args(sp.expand(running, deep=False))
         start = sp.Add(*(shortened_powers(sp.cancel(-term)) for term in terms if not term.has(v)))
+        # ω (v − start) + begin = ω (v − v_p)
         passed = self.names.named(f"{v.name}_p", start - begin * sign / rate)
         return (sp.S.One if self.even else sign) * rate * (v - passed)
 

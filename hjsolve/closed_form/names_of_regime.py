@@ -30,6 +30,7 @@ def names_of(solution: Solution, pieces: Mapping[str, CoordinateIntegrals], wher
     held = {s for e in (*equations, solution.characteristic_function) for s in e.free_symbols}
     held |= {p.symbol for p in solution.system.parameters} | {s for c in coordinates for s in (c.symbol, c.momentum)}
     held |= {τ, anomaly_of(solution), *solution.lower_limits.values(), *(c.symbol for c in solution.constants.values())}
+    # no quantity may have the name of what the user wrote, nor of the actions in E(J)
     taken = {s.name for s in held} | {f"J_{c.name}" for c in coordinates}
     separated = {solution.system.coordinate(n).symbol for n in solution.coordinates}
     variables = {τ, *time_of(solution), *(c.symbol for c in coordinates if c.symbol not in separated)}
@@ -65,6 +66,7 @@ def _renamed(own: CoordinateIntegrals, constants: list[sp.Symbol], names: NamedQ
         if change is None or isinstance(change, CarlsonMap) or change.k in table:
             continue
         same = [key for key in constants if key in own.integrals and own.integrals[key].change is change]
+        # of the time where it can be: sn(ω(t − t_p)); else of the first constant with an integral of the first kind
         first = next((key for key in same if own.integrals[key].first is not None), None)
         size, _ = without_sign(sp.factor_terms(own.integrals[first].first)) if first is not None else (sp.S.One, 1)
         Ω = sp.sqrt(names.oriented(sp.factor(change.Ω**2)))

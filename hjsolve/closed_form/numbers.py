@@ -27,7 +27,7 @@ from hjsolve.formulas.read import number as read_number
 from hjsolve.precision import mp, multiprecision
 
 _GUARD, _FLOAT_DIGITS = 20, 15
-_SPECIAL = 1e-12
+"""Digits beyond those asked, which a form may lose; digits up to which a result is a double."""
 _DIGITS_OF_EXAMPLE = 30
 """Of what is only put in order."""
 

@@ -9,8 +9,9 @@ from functools import lru_cache
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.evaluation import magnitude
 from hjsolve.closed_form.regions import RootInterval, region_exists
-from hjsolve.closed_form.signs import Signs, sign_of_many_digits
+from hjsolve.closed_form.signs import Signs
 from hjsolve.display.shown import Shown
 from hjsolve.precision import mp
 
@@ -51,9 +52,9 @@ class Regime(Shown):
         """
         at = Signs(values, mp.mpf(0))
         for constant, expression in self.special.items():
-            meant = at.number(expression)
-            # exact constants agree in all 50 digits; 30 leave room for irrational ones
-            if abs(at.number(constant) - meant) > (1 + abs(meant)) * mp.mpf(10) ** -30:
+            off, size = at.number(constant - expression), at.number(magnitude(constant - expression))
+            # exact constants agree in all 60 digits; 30 leave room for irrational ones. E = 0 is 0, in any unit
+            if not abs(off) <= size * mp.mpf(10) ** -30:
                 return False
         return at.agree(self.conditions) and all(
             region_exists(curve, region, at.numbers) for curve, region in self.regions
@@ -90,6 +91,7 @@ def described_regime(
 
 def _without_known_signs(relations: list[sp.Basic]) -> list[sp.Basic]:
     """Leave out of products what other relations say: A E > 0 is A > 0 where E > 0."""
+    # a sign that is found shortens other products, whose signs shorten more: until none does
     while True:
         signed = {r.lhs: _side(r) for r in relations if _side(r) and r.lhs.is_Symbol and r.rhs == 0}
         table = {s: side * sp.Dummy(s.name, positive=True) for s, side in signed.items()}
@@ -136,6 +138,7 @@ def plain_relation(expression: sp.Expr, sign: int) -> sp.Basic | None:
             sign = -sign
             continue
         base, power = factor.as_base_exp()
+        # a square says that it is not zero, and nothing of the sign
         if power.is_Integer and power % 2 == 0:
             rest *= sp.Abs(base) if rest == 1 and len(sp.Mul.make_args(expression)) < 2 else sp.S.One
             if base.is_nonzero is None and rest == 1:
@@ -173,6 +176,7 @@ def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
     for relation in made.relations:
         if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
             side = 1 if isinstance(relation, sp.StrictGreaterThan) else -1
+            # |a − b| and |b − a|, of which sympy knows no canonical one
             for gap in (relation.lhs - relation.rhs, relation.rhs - relation.lhs):
                 table |= {
                     sp.Abs(gap): side * (relation.lhs - relation.rhs),
@@ -192,6 +196,7 @@ def _without_signs(product: sp.Expr, relations: Iterable[sp.Basic], at: Signs) -
     """Return a product without |a| |b| and sign(a) sign(b), where the sign of a b is that of the whole regime."""
     signed, rest = sp.S.One, sp.S.One
     for factor in sp.Mul.make_args(product):
+        # |a||b| = ± a b where a b has one sign in the regime, though neither a nor b need have
         base, power = factor.as_base_exp()
         if isinstance(base, (sp.Abs, sp.sign)) and power.is_odd and base.free_symbols <= at.numbers.keys():
             signed *= base.args[0]
@@ -200,7 +205,7 @@ def _without_signs(product: sp.Expr, relations: Iterable[sp.Basic], at: Signs) -
             rest *= factor
     if signed == 1 or not sign_is_fixed(relations, signed):
         return product
-    return sign_of_many_digits(at.number(signed)) * rest
+    return at.there(signed) * rest
 
 
 def sign_is_fixed(relations: Iterable[sp.Basic], expression: sp.Expr) -> bool:
@@ -252,6 +257,7 @@ def positive_in(made: Regime, expression: sp.Expr) -> bool:
         if not relation.lhs.is_Symbol or relation.rhs != 0:
             continue
         if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
+            # by a symbol that sympy knows to be positive: its own rules for sums and products do the rest
             size = sp.Dummy(relation.lhs.name, positive=True)
             table[relation.lhs] = size if isinstance(relation, sp.StrictGreaterThan) else -size
         elif isinstance(relation, sp.Ne):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,15 +10,25 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
-from hjsolve.closed_form.evaluation import evaluator, many_digits, number_of
+from hjsolve.closed_form.evaluation import evaluator, magnitude, many_digits, number_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.display.shown import Shown
 from hjsolve.precision import mp
 
 DIGITS = 50
+"""Of roots where only their order is asked."""
 Numbers = Mapping[sp.Symbol, mpmath.mpf]
-_SAME = mp.mpf(10) ** -25
+_SAME = mp.mpf(10) ** -22
+"""Of themselves, how near two numbers are the same: a double root of coefficients with 50 digits splits by 1e-25 √κ,
+and this leaves six digits to the condition κ. It is one for any number of digits: roots are numbered, and must be as
+many."""
+_CANCELLED = mp.mpf(10) ** -25
+"""Of its terms, what is left of a coefficient that is zero: named roots in it have 30 digits at least."""
+_APART = mp.mpf(10) ** -6
+"""Of themselves, how near two roots may be that Newton's rule found: two starts may have led to the same one."""
+_OF_DOUBLES = mp.mpf(10) ** -12
+"""Of itself, how far a place may be beyond a turning point: it may be a double that was worked out from others."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -106,8 +116,13 @@ def ordered_real_roots(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tu
 
 
 def _coefficients(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tuple[mpmath.mpf, ...]:
+    """Return the coefficients; 0 where their terms cancel, as that of x² at E = V₀."""
     with mp.workdps(digits):
-        return tuple(evaluator(*polynomial.all_coeffs()).at(numbers))
+        held = polynomial.all_coeffs()
+        found = evaluator(*held, *map(magnitude, held)).at(numbers)
+        pairs = zip(found[: len(held)], found[len(held) :], strict=True)
+        # by its own terms, and not by the greatest coefficient: x is in the user's units, and so is each of them
+        return tuple(mp.mpf(0) if abs(c) <= size * _CANCELLED else c for c, size in pairs)
 
 
 @lru_cache(maxsize=4096)
@@ -117,28 +132,48 @@ def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[
     if any(isinstance(c, mp.mpc) or not mp.isfinite(c) for c in coefficients):
         return (), True
     with mp.workdps(digits):
-        size, first = max(abs(c) for c in coefficients), 0
-        # a leading coefficient that is zero at these constants (E = 0) is a root at infinity
-        while first < len(coefficients) and abs(coefficients[first]) <= size * _SAME:
-            first += 1
-        if len(coefficients) - first < 2:
+        held = [k for k, c in enumerate(coefficients) if c != 0]
+        if not held:
             return (), False
-        roots = _complex_roots(coefficients[first:], digits)
-        # x is in the user's units: what is the same is measured by the largest root
-        scale = max(abs(r) for r in roots) or mp.mpf(1)
-        double = any(abs(a - b) < scale * _SAME for k, a in enumerate(roots) for b in roots[:k])
-        return tuple(sorted(r.real for r in roots if abs(r.imag) <= scale * _SAME)), double
+        # a leading coefficient that is zero at these constants (E = 0) is a root at infinity
+        roots = complex_roots(coefficients[held[0] :], digits)
+        # two by two: next to a root at 1e30 all others would be the same
+        double = any(_same(a, b) for k, a in enumerate(roots) for b in roots[:k])
+        return tuple(sorted(mp.re(r) for r in roots if abs(mp.im(r)) <= abs(r) * _SAME)), double
 
 
-def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mpmath.mpc]:
-    """Return all roots; in doubles first, and from there by Newton's rule: simple roots are soon had."""
+def _same(a: mpmath.mpc, b: mpmath.mpc) -> bool:
+    """Return whether two numbers are equal but for rounding, in any unit."""
+    return bool(a == b or abs(a - b) <= max(abs(a), abs(b)) * _SAME) and not mp.isinf(a - b)
+
+
+def complex_roots(coefficients: Sequence[mpmath.mpf], digits: int) -> list[mpmath.mpc]:
+    """Return all roots, in mpmath's present precision: those at 0 first, as often as they occur.
+
+    In units of the geometric mean |cₙ/c₀|^{1/n} of the others, so that doubles and tolerances hold for any unit of x. A
+    power of 2: the coefficients are not rounded by it.
+
+    Args:
+        coefficients: of the highest power first, which is not 0.
+        digits: of the roots.
+    """
+    n = max(k for k, c in enumerate(coefficients) if c != 0)
+    zeros, coefficients = [mp.mpf(0)] * (len(coefficients) - 1 - n), coefficients[: n + 1]
+    # Newton's rule, from doubles, would fail for the two roots of E x² + kx − L² with E → 0
+    if n <= 2:
+        return [*zeros, *(_quadratic_roots(coefficients) if n else [])]
+    unit = mp.mpf(2) ** int(mp.nint(mp.log(abs(coefficients[n] / coefficients[0]), 2) / n))
+    scaled = tuple(c * unit ** (n - k) for k, c in enumerate(coefficients))
+    return [*zeros, *(unit * z for z in _roots_by_newton(scaled, digits))]
+
+
+def _roots_by_newton(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mpmath.mpc]:
+    """Return all roots; in doubles first, and from there by Newton's rule: simple roots are soon found."""
     import numpy as np
 
-    # Newton's rule, from doubles, would fail for the two roots of E x² + kx − L² with E → 0
-    if len(coefficients) <= 3:
-        return _quadratic_roots(coefficients)
     # eigenvalues of the companion matrix: right to 1e-16 of the greatest root
-    starts = np.roots([complex(c / coefficients[0]) for c in coefficients])
+    doubles = [complex(c / coefficients[0]) for c in coefficients]
+    starts = np.roots(doubles) if np.isfinite(doubles).all() else np.array([np.nan])
     found = []
     for start in starts:
         z = mp.mpmathify(complex(start))
@@ -150,16 +185,26 @@ def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mp
             if abs(step) <= abs(z) * mp.mpf(10) ** (4 - digits) or value == 0:
                 break
         else:
-            return list(mp.polyroots([*coefficients], maxsteps=300, extraprec=400))
+            return _roots_together(coefficients, digits)
         found.append(z)
-    # two starts may lead to the same root, and the other would be lost: then all are found at once (Durand and Kerner)
-    gaps = [abs(a - b) for k, a in enumerate(found) for b in found[:k]]
-    if gaps and min(gaps) < max(abs(z) for z in found) * mp.mpf(10) ** -6:
-        return list(mp.polyroots([*coefficients], maxsteps=300, extraprec=400))
+    # two starts may lead to the same root, and the other would be lost
+    if any(abs(a - b) < max(abs(a), abs(b)) * _APART for k, a in enumerate(found) for b in found[:k]):
+        return _roots_together(coefficients, digits)
     return found
 
 
-def _quadratic_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
+def _roots_together(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mpmath.mpc]:
+    """Return all roots, found at once by the method of Durand and Kerner, whose tolerance is that of the greatest."""
+    found = list[mpmath.mpc]()
+    for z in mp.polyroots([*coefficients], maxsteps=300, extraprec=400):
+        value, slope = mp.polyval(coefficients, z, derivative=True)
+        # a small simple root gets its last digits by Newton's rule; of a double one P′ is 0, and the step is rounding
+        step = value / slope if slope else mp.mpf(0)
+        found.append(z - step if abs(step) < abs(z) * mp.mpf(10) ** (-digits // 2) else z)
+    return found
+
+
+def _quadratic_roots(coefficients: Sequence[mpmath.mpf]) -> list[mpmath.mpc]:
     if len(coefficients) == 2:
         return [mp.mpc(-coefficients[1] / coefficients[0])]
     a, b, c = coefficients
@@ -238,16 +283,14 @@ def _marks(
     """Where a motion turns, at roots of P inside the domain, or comes to rest, at zeros of S at finite q; ascending."""
 
     def inside(r: mpmath.mpf) -> bool:
-        gap = _SAME * (1 + abs(r))
-        return bool(low + gap < r < high - gap)
+        return bool(low < r < high) and not _same(r, low) and not _same(r, high)
 
     found = [(r, ("root", k)) for k, r in enumerate(roots) if inside(r)]
     top = _numerator(curve.square, curve.x)
     if top is not None:
         rests = sorted({mp.nstr(z, 30): z for z in ordered_real_roots(top, numbers, DIGITS)}.values())
         for k, z in enumerate(rests):
-            edge = abs(z - low) <= _SAME * (1 + abs(z)) or abs(z - high) <= _SAME * (1 + abs(z))
-            if inside(z) or (edge and curve.substitution.closed):
+            if inside(z) or (curve.substitution.closed and (_same(z, low) or _same(z, high))):
                 found.append((z, ("rest", k)))
     return sorted(found)
 
@@ -303,8 +346,9 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
     """
     s = curve.substitution
     with mp.workdps(DIGITS):
-        tolerance = (1 + abs(place)) * mp.mpf(10) ** -12  # of ends that were given in doubles
-        if s.closed and abs(place - middle_of(curve, numbers)) > number_of(s.turn, numbers) / 2 + tolerance:
+        turn = number_of(s.turn, numbers) if s.closed else mp.mpf(0)
+        tolerance = max(abs(place), turn) * _OF_DOUBLES
+        if s.closed and abs(place - middle_of(curve, numbers)) > turn / 2 + tolerance:
             return False
         first, last = (number_of(end, numbers) for end in curve.ends)
         if mp.im(first) != 0 or mp.im(last) != 0:
@@ -316,11 +360,15 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
         if mp.im(low) != 0 or mp.im(high) != 0:
             return False
         marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}
-        x = number_of(s.place, {**numbers, curve.coordinate.symbol: place})
+        q = curve.coordinate.symbol
+        x, slope = evaluator(s.place, sp.diff(s.place, q)).at({**numbers, q: place})
         if isinstance(x, mp.mpc) or mp.isnan(x):
             return True  # at the place where the variable is infinite, an end of the domain
         start, stop = marks.get(like.lower, low), marks.get(like.upper, high)
-        tolerance *= 1 + abs(x)
+        # what the tolerance of q is in x, and the rounding of x; of a turning point at 0 by the width of the region
+        tolerance = tolerance * abs(slope) + abs(x) * _OF_DOUBLES if mp.isfinite(slope) else abs(x) * _OF_DOUBLES
+        if mp.isfinite(start) and mp.isfinite(stop):
+            tolerance += abs(stop - start) * _OF_DOUBLES
         return bool(start - tolerance <= x <= stop + tolerance)
 
 

@@ -41,7 +41,7 @@ from hjsolve.closed_form.real_branch_points import LegendreIntegrals, LegendreMa
 from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regime import plain_relation, sign_is_fixed
 from hjsolve.closed_form.regions import RootInterval
-from hjsolve.closed_form.signs import Signs, sign_of_many_digits
+from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.tidy import square_root
 from hjsolve.closed_form.verification import sample_numbers, value_at
 from hjsolve.precision import mp
@@ -161,7 +161,7 @@ class Anomaly(Regularised):
         relations = [r for e, sign in self.own.conditions.items() if (r := plain_relation(e, sign)) is not None]
         if not sign_is_fixed(relations, expression):
             return 0
-        return sign_of_many_digits(self.signs.number(expression))
+        return self.signs.there(expression)
 
     def _parametrised(self, x_0: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
         A, B, C, ξ, δ = self.A, self.B, self.C, self.ξ, self.direction

@@ -7,11 +7,13 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
-from hjsolve.closed_form.evaluation import many_digits, number_of
+from hjsolve.closed_form.evaluation import evaluator, magnitude, many_digits, number_of
 from hjsolve.precision import mp
 
 DIGITS = 60
+"""Of constants at a sample: 40 for what is left after cancellation, and 20 more."""
 _NOTHING = mp.mpf(10) ** -40
+"""Of the terms of an expression, what is left of them where they cancel: constants have 60 digits, named roots 50."""
 
 
 class Signs:
@@ -43,7 +45,19 @@ class Signs:
         Args:
             conditions: expression → its sign.
         """
-        return all(sign_of_many_digits(self.number(expression)) == sign for expression, sign in conditions.items())
+        return all(self.there(expression) == sign for expression, sign in conditions.items())
+
+    def there(self, expression: sp.Expr) -> int:
+        """Return the sign at the sample, and do not keep it; 0 of what is not real.
+
+        Args:
+            expression: of parameters and constants.
+        """
+        with mp.workdps(DIGITS):
+            value, size = evaluator(expression, magnitude(expression)).at(self.numbers)
+            if isinstance(value, mp.mpc) or mp.isnan(value) or abs(value) <= size * _NOTHING:
+                return 0
+            return 1 if value > 0 else -1
 
     def sign(self, expression: sp.Expr) -> int:
         """Return the sign at the sample; kept as a condition where the symbols do not imply it.
@@ -56,7 +70,7 @@ class Signs:
         known = 1 if expression.is_positive else -1 if expression.is_negative else None
         if known is not None:
             return known
-        found = sign_of_many_digits(self.number(expression))
+        found = self.there(expression)
         if found and not expression.free_symbols & self.named:
             self.decided[sp.factor_terms(expression)] = found
         return found
@@ -81,10 +95,3 @@ class Signs:
         with mp.workdps(DIGITS):
             u = self.place if place is None else 1 / (self.place - self.number(place))
             return 1 if 2 * self.number(A) * u + self.number(B) > 0 else -1
-
-
-def sign_of_many_digits(value: mpmath.mpf) -> int:
-    """Return the sign of a number that is exact to more than 40 digits; 0 also of what is not real."""
-    if isinstance(value, mp.mpc) or mp.isnan(value):
-        return 0
-    return 0 if abs(value) < _NOTHING else 1 if value > 0 else -1

@@ -45,6 +45,7 @@ def source(form: NamedForms, language: str) -> str:
     mark = "#" if language == "python" else "//"
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
+    # the same arrangement as for arrays: what is printed loses no digits that lambdify keeps
     arrange = ForDoubles(form.where, at_example(form, form.where), form.named().values())
     named = {name: arrange.form(e) for name, e in form.named().items()}
     where = arrange.definitions(s for e in named.values() for s in e.free_symbols)
@@ -86,6 +87,7 @@ def _lines(
     given, defined = _arguments(expression, where)
     taken = {*given, *(s.name for s, _ in defined)}
     names = (s for s in sp.numbered_symbols("part", start=1) if s.name not in taken)
+    # K and its modulus occur in most terms: they are worked out once
     parts, (rest,) = sp.cse(_without_signs(expression), symbols=names)
     return given, [*((s, _without_signs(e)) for s, e in defined), *parts], rest
 

@@ -30,14 +30,17 @@ def _deciders(
     x = P.gen
     bare, back = named_constants(P.as_expr(), x)
     factors = [f for f, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]]
+    # the degree falls with the leading coefficient; roots meet where a discriminant or a resultant is zero
     found: list[sp.Expr] = [P.LC()]
     for k, f in enumerate(factors):
         if 2 <= sp.degree(f, x) <= 3:
             found.append(sp.discriminant(f, x).xreplace(back))
+        # a x⁴ + b x² + c: of the square, b² − 4ac, and c, where two roots meet at 0
         if sp.degree(f, x) == 4 and f.coeff(x, 3) == 0 and f.coeff(x, 1) == 0:
             a, b, c = (f.expand().coeff(x, n) for n in (4, 2, 0))
             found += [c.xreplace(back), (b**2 - 4 * a * c).xreplace(back)]
         found += [sp.resultant(f, g, x).xreplace(back) for g in factors[:k]]
+    # a root at an end of the domain: the motion reaches it, or turns before
     found += [P.as_expr().subs(x, end) for end in ends if end.is_finite]
     result = list[sp.Expr]()
     for expression in found:
@@ -62,6 +65,7 @@ def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.
     for constant in constants:
         if not base.has(constant) or not base.is_polynomial(constant):
             continue
+        # of the first degree there is one value, and it is rational in the other letters
         p = sp.Poly(base, constant)
         if p.degree() == 1:
             return {constant: sp.factor(sp.cancel(-p.coeff_monomial(1) / p.LC()))}

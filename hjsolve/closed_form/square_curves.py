@@ -22,7 +22,6 @@ from hjsolve.closed_form.even_curves import in_square
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.regions import RootInterval, real_roots
 from hjsolve.closed_form.signs import Signs
-from hjsolve.precision import mp
 
 
 @dataclass(frozen=True)
@@ -67,6 +66,7 @@ class SquareCurve:
         if not self.passes:
             return value.xreplace({self.X: x**2})
         # of y > 0 the root √X is y: with x of either sign in its place the integral is odd
+        # sympy would write √(x²) as |x|, which is even
         y = sp.Dummy("y", positive=True)
         return value.subs(self.X, y**2).xreplace({y: x})
 
@@ -76,7 +76,7 @@ class SquareCurve:
         Args:
             signs: of the sample.
         """
-        positive = [sp.sqrt(r) for r in self.roots.real if signs.number(r) > mp.mpf(10) ** -30]
+        positive = [sp.sqrt(r) for r in self.roots.real if signs.there(r) > 0]
         return (*(-r for r in reversed(positive)), *positive)
 
 

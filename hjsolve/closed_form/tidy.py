@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 
 import sympy as sp
@@ -77,6 +78,7 @@ def multiplied_out(expression: sp.Expr) -> sp.Expr:
 
 def _outermost(expression: sp.Expr) -> set[sp.Expr]:
     """Return the functions in a formula that are in no other."""
+    # |s| and sign s are factors like others: products with them are multiplied out
     if isinstance(expression, sp.Function) and not isinstance(expression, (sp.Abs, sp.sign)):
         return {expression}
     return set().union(*(_outermost(part) for part in expression.args))
@@ -106,7 +108,8 @@ def collected(expression: sp.Expr) -> sp.Expr:
     Args:
         expression: of a form; of any that is not linear in them it is given back.
     """
-    coefficients = _linear(expression)
+    # F(φ) − F(φ₀) of each integral has one coefficient twice: one bracket in place of two products
+    coefficients = linear_in(expression, lambda _: True)
     if coefficients is None or len(coefficients) < 2:
         return expression
     rest = sp.Add(*(_factored(term) for term in sp.Add.make_args(coefficients.pop(sp.S.One, sp.S.Zero))))
@@ -121,22 +124,31 @@ def collected(expression: sp.Expr) -> sp.Expr:
     return rest + sp.Add(*(c * bracket for c, bracket in brackets.items()))
 
 
-def _linear(e: sp.Expr) -> dict[sp.Expr, sp.Expr] | None:
-    """Elliptic integral, or 1 → its coefficient; None of what is not linear in them."""
-    if not elliptic(e):
+def linear_in(e: sp.Expr, wanted: Callable[[sp.Expr], bool]) -> dict[sp.Expr, sp.Expr] | None:
+    """Return an expression as a sum, integral or 1 → its coefficient; None of what is not linear in the integrals.
+
+    Args:
+        e: of a form.
+        wanted: whether a function is one of the integrals.
+    """
+
+    def held(part: sp.Expr) -> bool:
+        return any(map(wanted, part.atoms(*ELLIPTIC)))
+
+    if not held(e):
         return {sp.S.One: e}
     if isinstance(e, ELLIPTIC):
-        return {e: sp.S.One}
+        return {e: sp.S.One} if wanted(e) else None
     if e.is_Mul:
-        held = [f for f in e.args if elliptic(f)]
-        inner = _linear(held[0]) if len(held) == 1 else None
-        rest = sp.Mul(*(f for f in e.args if f is not held[0]))
+        factors = [f for f in e.args if held(f)]
+        inner = linear_in(factors[0], wanted) if len(factors) == 1 else None
+        rest = sp.Mul(*(f for f in e.args if f is not factors[0]))
         return None if inner is None else {one: rest * c for one, c in inner.items()}
     if not e.is_Add:
         return None
     found = dict[sp.Expr, sp.Expr]()
     for term in e.args:
-        inner = _linear(term)
+        inner = linear_in(term, wanted)
         if inner is None:
             return None
         for one, c in inner.items():
@@ -168,6 +180,7 @@ def plain_roots(expression: sp.Expr) -> sp.Expr:
     """
     held = [p for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2]
     roots = {p.base: sp.Dummy(positive=True) for p in held}
+    # s^{k + 1/2} is √s sᵏ: then the sum is linear in each √s, and what is rational cancels
     plain = expression.xreplace({p: roots[p.base] * p.base ** (p.exp - sp.S.Half) for p in held})
     terms = sp.collect(sp.expand(plain), [*roots.values()], evaluate=False)
     short = sp.Add(*(sp.cancel(sp.together(c)) * r for r, c in terms.items()))
@@ -183,6 +196,7 @@ def square_root(radicand: sp.Expr) -> sp.Expr:
     outside, inside = sp.S.One, sp.S.One
     for factor in sp.Mul.make_args(sp.factor(radicand)):
         base, power = factor.as_base_exp()
+        # √(a² b) is |a| √b: the sign of a is that of a regime, and is not known here
         if power.is_Integer and not base.is_number:
             outside *= sp.Abs(base) ** (power // 2)
             inside *= base ** (power % 2)
@@ -195,11 +209,13 @@ def _product(product: sp.Expr) -> sp.Expr:
     powers = dict[sp.Expr, sp.Expr]()
     for factor in sp.Mul.make_args(product):
         base, power = factor.as_base_exp()
+        # of real s: s²/|s| is |s|, s³/|s| is s |s|, and (−s)^{n + 1/2} takes the whole powers of s
         powers[base] = powers.get(base, sp.S.Zero) + power
     for base in list(powers):
         if isinstance(base, sp.Abs) and (inner := base.args[0]) in powers and powers[inner].is_Integer:
             n = powers.pop(inner)
             powers[base] += n
+            # sⁿ = |s|ⁿ sign(s)ⁿ
             if n % 2:
                 powers[sp.sign(inner)] = sp.S.One
         elif -base in powers and powers[-base].is_Integer and not powers[base].is_Integer:

@@ -37,6 +37,7 @@ def circular_variables(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) ->
     if found is None:
         return
     line, angle, known = lower is -sp.oo and upper is sp.oo, coordinate.domain.kind == "angle", [found]
+    # the whole angle before its half: cos x has half the degree of cos² (x/2)
     while (doubled := _of_whole_angle(*known[-1])) is not None and (line or len(known) < 2):
         known.append(doubled)
     if line or (angle and known[-1][0] == 1):
@@ -87,6 +88,7 @@ def _of_multiples(
         low, high = sp.cos(w1 / 2), sp.cos(w0 / 2)
         yield Substitution(x, sp.cos(w / 2), 2 * sp.acos(x) / κ, slope, even_s.subs(C, 2 * x**2 - 1), low, high, False)
     if even_s is None and _inside(w0, w1, sp.S.Zero, 2 * sp.pi):
+        # x = cot(w/2): sin w = 2x/(1 + x²), cos w = (x² − 1)/(x² + 1)
         half = function.subs({S: 2 * x / (1 + x**2), C: (x**2 - 1) / (1 + x**2)}, simultaneous=True)
         low, high = -_tan((w1 - sp.pi) / 2), -_tan((w0 - sp.pi) / 2)
         place, inverse = sp.cot(w / 2), (sp.pi - 2 * sp.atan(x)) / κ
@@ -114,6 +116,7 @@ def _on_a_turn(
     """Of an angle, or of a line along which P² is periodic: sines of the half about a place, tangents of the half."""
     scale = _Turn(q, x, κ)
     yield from _half_sine(function, scale)
+    # even in sin w: cos w = 1 − 2 sin² (w/2) about the lowest place, 2 sin² − 1 about the highest
     if even is not None and (not even.is_polynomial(C) or sp.degree(even, C) > 1):
         for middle, sign in ((sp.S.Zero, 1), (sp.pi, -1)):
             yield scale.about(middle, even.subs(C, sign * (1 - 2 * x**2)))
@@ -199,6 +202,7 @@ def _base(
     if not all(r.is_Rational for r in ratios):
         return None
     step = ratios[0]
+    # sin 2x and sin 3x are functions of sin x and cos x: κ is the greatest common divisor of the multiples
     for r in ratios[1:]:
         step = sp.gcd(step, r)
     κ = abs(step) * first

@@ -25,10 +25,13 @@ from hjsolve.closed_form.time_limit import check_time
 from hjsolve.precision import mp
 
 DIGITS, GUARD = 40, 24
+"""Digits that a form shows with a quadrature, and those that both may lose on the way."""
 _MOST_NODES, _NODES, _HALVINGS_OF_A_PATH = 432, 4, 14
+"""Nodes of a cycle, 16 trebled three times; mpmath's degree of Gauss's rule, of 24 nodes; 2⁻¹⁴ of a path is a pole."""
 _RULE = GaussLegendre(mp)
 """Of Gauss; it remembers its nodes."""
 _PARTS = ("0.31", "0.52", "0.77")
+"""Of a region, where slopes are compared: on both sides of the middle, and at no place where anything is symmetric."""
 
 
 Integrands = Callable[[mpmath.mpf], list[mpmath.mpf]]
@@ -149,7 +152,7 @@ class _Trial:
 
     def _difference(self, one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> float:
         """Return a difference in units of what is allowed; infinite where a value is not a real number."""
-        one = _real(one)
+        one = _real(one, size)
         if not (mp.isfinite(one) and mp.isfinite(other)) or isinstance(other, mp.mpc):
             return math.inf
         if one == other:
@@ -254,12 +257,17 @@ def _few(value: mpmath.mpf) -> str:
     return str(mp.nstr(value, 20))
 
 
-def _real(value: mpmath.mpf) -> mpmath.mpf:
-    """Return a value without the imaginary rounding of a root; nan where it is more than that."""
+def _real(value: mpmath.mpf, size: mpmath.mpf = 1) -> mpmath.mpf:
+    """Return a value without the imaginary rounding of a root; nan where it is more than that.
+
+    Args:
+        value: any.
+        size: what its rounding is measured by, where it is not the value itself.
+    """
     if not isinstance(value, mp.mpc):
         return value
     tiny = mp.mpf(10) ** -(mp.dps - 12)
-    return value.real if abs(value.imag) <= tiny * (1 + abs(value.real)) else mp.nan
+    return value.real if abs(value.imag) <= tiny * (size + abs(value.real)) else mp.nan
 
 
 def value_at(expression: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:

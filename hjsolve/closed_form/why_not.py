@@ -15,6 +15,7 @@ import sympy as sp
 from hjsolve.display.shown import Shown
 
 _DIGITS = 40
+"""Of the ratio of two logarithms at rational constants."""
 _REAL = sp.Rational(1, 10**30)
 """Above this part of 1 an imaginary part, known to so many digits, is none of rounding."""
 
@@ -107,14 +108,18 @@ class TranscendentalEquation(WhyNot):
         held = (law.polynomial, law.algebraic, *(e for c, t in law.terms for e in (c, t.leading, t.ratio)))
         symbols = set().union(*(e.free_symbols for e in held))
         for k, s in enumerate(sorted(symbols - {law.x}, key=str)):
+            # at numbers that nobody chose: what holds there is not a special case, and is decided exactly
             at[s] = sp.Rational(13 + 8 * k, 11 + k)
         logarithms = [(c, t) for c, t in law.terms if t.kind not in ("root", "line")]
         residues = [sp.cancel(c.xreplace(at) ** 2 / t.leading.xreplace(at)) for c, t in logarithms]
+        # c/√(leading) is the factor of the logarithm: its square is rational where the root is not
         residues = [r for r in residues if r != 0]
+        # an algebraic function and a logarithm are independent: Ritt's chain would have to be both
         if residues and (law.algebraic.xreplace(at) != 0 or len(logarithms) < len(law.terms)):
             return True
         if any(abs(sp.im(sp.N(t.ratio.xreplace(at), _DIGITS))) > _REAL for _, t in logarithms):
             return True  # of poles at complex places
+        # n log u + m log v = log uⁿ vᵐ for whole n, m: one function. Of an irrational ratio there is none
         ratios = [sp.simplify(r / residues[0]) for r in residues[1:]]
         return any(r.is_Rational and not sp.sqrt(r).is_Rational for r in ratios)
 
@@ -212,6 +217,7 @@ class HighGenus(WhyNot):
     @property
     def genus(self) -> int:
         """Of what is left."""
+        # y² = P, squarefree, of degree 2g + 1 or 2g + 2
         return (int(self.reduced.degree()) - 1) // 2
 
     def __str__(self) -> str:

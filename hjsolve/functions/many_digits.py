@@ -172,8 +172,10 @@ def legendre_e(*arguments: mpmath.mpf) -> mpmath.mpf:
     """
     *φ, m = arguments
     complement = 1 - m
-    if mp.im(m) != 0 or complement <= 0 or any(mp.im(angle) != 0 for angle in φ):
+    if mp.im(m) != 0 or mp.re(complement) <= 0 or any(mp.im(angle) != 0 for angle in φ):
         return mp.ellipe(*arguments)
+    # a complex number may be real: that of a product of two conjugate ones has no order
+    complement, φ = mp.re(complement), [mp.re(angle) for angle in φ]
     if not φ:
         return complement * (mp.elliprd(0, complement, 1) + mp.elliprd(0, 1, complement)) / 3
     turns = mp.nint(φ[0] / mp.pi)

@@ -6,11 +6,14 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
 import pytest
 import sympy as sp
 
 import hjsolve
 from benchmarks.closed_form_batches import campaign, forms_of
+from benchmarks.closed_form_comparisons import Met
+from benchmarks.closed_form_draws import Draws, Seeds
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.solution.quadratures import Solution
 
@@ -68,3 +71,59 @@ def test_a_form_that_is_broken_is_caught(entry: str, factor: sp.Rational) -> Non
     for name in sound.rows:
         found = campaign(solution, [_broken(form, name, factor)], 50, seed=5, seconds=0)[0]
         assert any(name.split(".")[0] in fault for row in found.rows.values() for fault in row.faults), name
+
+
+def test_the_time_of_an_anomaly_is_judged_at_the_place_it_has_in_doubles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Q(ξ) off by 1e-11 of itself is no fault of t(ξ): the quadrature ends at another ξ, where the rate is the local one."""
+    plain = Met.at
+
+    def off(own: Met, name: str, given: Any) -> Any:
+        return plain(own, name, given) * (1 + 1e-11 if name == "anomaly.r" else 1)
+
+    monkeypatch.setattr(Met, "at", off)
+    found = campaign(*_known("kepler-planar"), 40, seed=5, seconds=60)
+    rows = [own.rows["anomaly.t"] for own in found if "anomaly.t" in own.rows]
+    assert sum(row.beyond for row in rows) > 10
+    assert [fault for row in rows for fault in row.faults] == []
+
+
+def test_a_regime_that_is_seldom_met_is_drawn_about_its_motions() -> None:
+    solution, forms = _known("kepler-planar")
+    draws, dice = Draws(solution), np.random.default_rng(3)
+    values = draws.parameters(dice, 0, None)
+    table, momenta = draws.motions(dice, values, 4096, None)
+    # one in a thousand: motions next to circular ones, e < 0.05
+    E, L = table["E"], table["p_theta"]
+    e = np.sqrt(1 + 2 * E * L**2)
+    kept = np.flatnonzero((E < 0) & (e < 0.05))
+    assert 0 < len(kept) < 40
+    columns = {f"{k}.{n}": (table if k == "q" else momenta)[n][kept] for k in "qp" for n in ("r", "theta")}
+    seeds = Seeds.of(solution, columns, {n: v[kept] for n, v in table.items()}, frozenset()).joined(None, dice)
+    for _ in range(3):
+        moved = draws.parameters(dice, 1, seeds)
+        near, p = draws.motions(dice, moved, 4096, seeds)
+        ratio = 2 * near["E"] * near["p_theta"] ** 2 / (near["m"] * near["k"] ** 2)
+        found = np.flatnonzero((ratio < 0) & (ratio > -1) & (1 + ratio < 0.05**2))
+        assert len(found) > 2 * len(kept)
+        columns = {f"{k}.{n}": (near if k == "q" else p)[n][found] for k in "qp" for n in ("r", "theta")}
+        seeds = Seeds.of(solution, columns, {n: v[found] for n, v in near.items()}, frozenset()).joined(seeds, dice)
+    assert len(seeds.parameters) == 4
+
+
+@pytest.mark.parametrize("name", ["turning_points.r.lower", "turning_points.r.upper", "actions.r"])
+def test_what_the_engine_hands_back_is_compared_all_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Turning points and J of a coordinate, where the engine has none: by P² alone, to 1e-9 of themselves."""
+    plain = Draws.followed
+
+    def without(self: Draws, *arguments: Any) -> Any:
+        table, columns = plain(self, *arguments) or pytest.fail("parameters are refused")
+        hidden = (n for n in columns if n.startswith(("actions.r", "turning_points.r")))
+        return table, {**columns, **{n: np.full_like(columns[n], np.nan) for n in hidden}}
+
+    monkeypatch.setattr(Draws, "followed", without)
+    solution, (form, *_) = _known("kepler-planar")
+    (sound,) = campaign(solution, [form], 50, seed=5, seconds=0)[:1]
+    assert sound.rows[name].count > 5  # ellipses with 1 − e of 1e-9 do not settle
+    assert [fault for row in sound.rows.values() for fault in row.faults] == []
+    (broken,) = campaign(solution, [_broken(form, name, 1 + sp.Rational(1, 10**9))], 50, seed=5, seconds=0)[:1]
+    assert broken.rows[name].faults

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import random
 
+import mpmath
 import numpy as np
 import pytest
 import sympy as sp
 
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
+from hjsolve.closed_form.inverses import _value
+from hjsolve.closed_form.named_quantities import NamedQuantities
 from hjsolve.functions import JacobiSN
 from tests.support.entries import forms
 
@@ -166,3 +169,18 @@ def test_angles_with_a_squared_cosine(seed: int) -> None:
 def test_forms_with_complex_roots_and_double_poles(name: str, q: dict, velocity: dict) -> None:
     """Carlson's integrals: a complex pair next to two real roots, and a double pole at infinity."""
     test_numbers_agree_with_the_engine_to_36_digits(name, q, velocity, {})
+
+
+def test_a_name_that_rests_on_what_drops_out_of_a_form_is_left_to_the_form_written_out() -> None:
+    """Geodesics of an oblate spheroid ended in a KeyError: a name held a symbol that has no number, and cancels."""
+    x, unknown, c, d = sp.symbols("x unknown c d", real=True)
+    names = NamedQuantities((), (), (), {c: x + unknown, d: x**2}, {x: mpmath.mpf(3)})
+    assert names.at(c - unknown + d, names.numbers) == {x: 3, d: 9}
+    assert _value(c - unknown + d, names, {x: mpmath.mpf(3), unknown: mpmath.mpf(7)}) == 12
+    assert _value(sp.Add(c, -unknown, d), names, {x: mpmath.mpf(3), unknown: mpmath.mpf(-1)}) == 12
+
+
+@pytest.mark.nightly
+def test_geodesics_of_an_oblate_spheroid_have_forms_along_the_motion() -> None:
+    for form in forms("oblate-geodesics"):
+        assert {"anomaly.beta", "anomaly.t"} <= set(form.named()), form.regime.words

@@ -30,6 +30,15 @@ def test_even_sextics_in_any_variable_are_in_involution(seed: int) -> None:
     assert _in_involution(sp.Poly(X * sp.Mul(*(X**2 - r for r in squares[:2])), X, domain="QQ"))
 
 
+@pytest.mark.parametrize("unit", [1, 10**5, 10**20, sp.Rational(1, 10**10), sp.Rational(1, 10**20)])
+@pytest.mark.parametrize(("roots", "found"), [
+    ((1, 2, 5, 11, 30), False), ((1, 2, 5, 11, -7, 23), False), ((1, -1, 2, -2, 5, -5), True), ((0, 1, -1, 3, -3), True),
+])  # fmt: skip
+def test_an_involution_is_found_or_not_in_any_unit(roots: tuple[int, ...], found: bool, unit: sp.Rational) -> None:
+    P = sp.Poly(sp.expand(sp.Mul(*(X - unit * r for r in roots))), X, domain="QQ")
+    assert _in_involution(P) == found
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_sextics_at_random_are_not(seed: int) -> None:
     rng = random.Random(seed)

@@ -18,6 +18,7 @@ from hjsolve.functions.elliptic import (
     incomplete,
     inverse,
 )
+from hjsolve.functions.many_digits import legendre_e
 from tests.reference.legendre_forms import legendre_complete, legendre_incomplete
 from tests.support.gauss import gauss
 
@@ -285,3 +286,13 @@ def test_doubles_keep_a_whole_integral_where_a_pole_is_beside_a_root(away, side)
         got = sp.lambdify(list(at), sp.N(form, 17), modules=modules("numpy"))(*map(float, at.values()))
         exact = sp.N(complete(R, P, (0, 1)), 30)
         assert abs(got - exact) <= 64 * np.spacing(abs(float(exact)))
+
+
+@pytest.mark.parametrize("angle", [(), ("0.4",), ("7.1",)])
+def test_e_of_real_numbers_that_are_written_as_complex_ones(angle):
+    # it raised a TypeError: a complex number has no order, though its imaginary part is 0
+    with mp.workdps(30):
+        φ, m = [mp.mpf(a) for a in angle], mp.mpf("0.3")
+        real = legendre_e(*φ, m)
+        assert legendre_e(*(mp.mpc(a, 0) for a in φ), mp.mpc(m, 0)) == real
+        assert abs(real - mp.ellipe(*φ, m)) < mp.mpf(10) ** -28
