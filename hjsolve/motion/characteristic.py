@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Counts, Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Elementwise, Mpf, Numbers, Reals
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, coordinate_motions_of, phases_at
 from hjsolve.motion.positions import evaluate_along, positions_at, travelled
@@ -160,7 +160,7 @@ def gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Count
     return now - first, uncertainty
 
 
-def _pi(values: NDArray[Any]) -> Any:
+def _pi(values: NDArray[Any]) -> Elementwise:
     return values.flat[0].context.pi if values.dtype == object and values.size else np.pi
 
 
