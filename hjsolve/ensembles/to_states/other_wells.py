@@ -10,17 +10,20 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import place
+from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.narrow_tori import ROWS
 from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Goals, Solved, constants_of_tori
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
 from hjsolve.ensembles.to_states.seeds import Seeds, begun, nearest, nearest_apart, some_first
-from hjsolve.ensembles.to_states.tori import AngleTask, Tori, joined
+from hjsolve.ensembles.to_states.tori import AngleTask, Tori
 from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
 
 _ROUNDS = 2 * SOON
@@ -42,79 +45,156 @@ def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wante
     Returns:
         Which orbits have several tori where they are meant to be.
     """
-    several, hinted = np.zeros(hints.shape[1], dtype=bool), bool(np.isfinite(hints).any())
-    good = np.flatnonzero(solved.good)
-    if not len(good) or not (hinted or any(landscape.several)):
-        return several
-    before, asked = solved.take(good), wanted.take(good)
-    tori, after, another = before.tori, solved.take(good), np.zeros(len(good), dtype=bool)
-
-    def wells(some: Tori, orbits: Integers) -> list[Wells]:
-        return landscape.wells(some, asked.goals.rotating[:, orbits], every=hinted)
-
-    everyone, task = np.arange(len(good)), AngleTask(landscape.model, landscape.programs)
-
-    def meant(some: Tori, orbits: Integers, seen: Sequence[Wells]) -> Mask:
-        exact = _between_turning_points(task, some, asked.goals.take(orbits), seen) if hinted else seen
-        return in_wells(landscape.model, exact, hints[:, good[orbits]])
-
-    first = wells(tori, everyone)
-    solved.good[good] = meant(tori, everyone, first)
-
-    def from_there(seen: Integers, begin: tuple[Tori, Reals]) -> None:
-        # most lead back to the torus that is known: a few digits of the constants tell
-        for rough in (True, False):
-            there = constants_of_tori(task, begin, asked.goals.take(seen), _ROUNDS, rough=rough)
-            met = np.flatnonzero(there.good)
-            new, seen = there.take(met), seen[met]
-            second, apart = wells(new.tori, seen), np.ones(len(seen), dtype=bool)
-            # the first one, the last that was found, and the one that is where it is meant to be
-            for other in (tori.take(seen), after.tori.take(seen), solved.tori.take(good[seen])):
-                known = (second, wells(other, seen))
-                apart &= ~same_tori(landscape.model, new, other, asked.goals.scale[seen], known)
-            new, second, seen = new.take(np.flatnonzero(apart)), [one.take(apart) for one in second], seen[apart]
-            begin = new.tori, _no_step(new.tori, asked)
-        another[seen] = True
-        after.put(seen, new)
-        fits = np.flatnonzero(meant(new.tori, seen, second))
-        index = good[seen[fits]]
-        several[index[solved.good[index]]] = True
-        solved.put(index, new.take(fits))
-
-    def look_around(some: Integers) -> None:
-        for seen, begin in _elsewhere([one.take(some) for one in first], tori.take(some)):
-            from_there(some[seen], (begin, _no_step(begin, asked)))
-        left = some[~(another & solved.good[good])[some]]
-        seen, begin = _beside(landscape, seeds, asked.take(left), [one.take(left) for one in first])
-        from_there(left[seen], (begin, _no_step(begin, asked)))
-
-    astray = np.flatnonzero(~solved.good[good])
-    at_hints = np.where(np.isnan(hints[:, good]), tori.q, hints[:, good])
-    begin = tori._replace(q=at_hints, ends=np.full_like(tori.ends, np.nan)).take(astray)
-    from_there(astray, (begin, _no_step(begin, asked)))
-    few = np.union1d(some_first(everyone)[0], np.flatnonzero(~solved.good[good]))
-    look_around(few)
-    known = few[another[few]]
-    if len(few) < len(everyone) and len(known):
-        # an orbit has a second torus where one of those next to it has: it begins at the nearest not in its own well
-        around = another[few][nearest(asked.sizes[:, few], asked.sizes)]
-        some = np.flatnonzero(around.any(axis=0) & ~another & solved.good[good])
-        both = Seeds(
-            joined(tori.take(known), after.tori.take(known)),
-            joined(before.actions.take(known), after.actions.take(known)),
-            np.tile(asked.sizes[:, known], 2),
-        )  # fmt: skip
-        their = landscape.wells(both.tori, np.tile(asked.goals.rotating[:, known], 2))
-        near, _ = _nearest_apart([one.take(some) for one in first], their, asked.sizes[:, some], both.actions)
-        some, near = some[near >= 0], near[near >= 0]
-        from_there(some, begun(both, near[None], asked.take(some)))
-        left = some[~another[some]]
-        look_around(left[another[nearest(asked.sizes, asked.sizes[:, left])].any(axis=0)])
+    several = np.zeros(hints.shape[1], dtype=bool)
+    good, hinted = np.flatnonzero(solved.good), bool(np.isfinite(hints).any())
+    if len(good) and (hinted or any(landscape.several)):
+        search = _Search.of(landscape, seeds, solved.take(good), wanted.take(good), hints[:, good])
+        search.run()
+        several[good] = search.several
+        solved.put(good, search.chosen.solved)
     return several
 
 
-def _no_step(tori: Tori, asked: Asked) -> Reals:
-    return np.zeros((len(asked.goals.unknown), tori.q.shape[1]))
+@dataclass(frozen=True)
+class _Search:
+    """A search of n orbits for their other tori.
+
+    Attributes:
+        landscape, seeds, asked, hints: of ``in_the_wells_meant``.
+        first, last, chosen: the torus that is known, the last one that is another, and the one that is where it is
+            meant to be, where its ``good`` is true.
+        another, several: which orbits have another torus, and which have several where they are meant to be.
+    """
+
+    landscape: Landscape
+    seeds: Seeds
+    asked: Asked
+    hints: Reals
+    first: _Known
+    last: _Known
+    chosen: _Known
+    another: Mask
+    several: Mask
+
+    @classmethod
+    def of(cls, landscape: Landscape, seeds: Seeds, solved: Solved, asked: Asked, hints: Reals) -> _Search:
+        every = bool(np.isfinite(hints).any())
+        wells = landscape.wells(solved.tori, asked.goals.rotating, every=every)
+        first, last, chosen = (_Known.of(solved, wells) for _ in range(3))
+        another, several = np.zeros((2, len(solved.good)), dtype=bool)
+        search = cls(landscape, seeds, asked, hints, first, last, chosen, another, several)
+        search.fitting[:] = search.meant(first, search.everyone)
+        return search
+
+    @property
+    def everyone(self) -> Integers:
+        return np.arange(len(self.another))
+
+    @property
+    def fitting(self) -> Mask:
+        """Which orbits have a torus where they are meant to be."""
+        return self.chosen.solved.good
+
+    @property
+    def hinted(self) -> bool:
+        return bool(np.isfinite(self.hints).any())
+
+    @property
+    def task(self) -> AngleTask:
+        return AngleTask(self.landscape.model, self.landscape.programs)
+
+    def meant(self, found: _Known, orbits: Integers) -> Mask:
+        """Return which tori of some orbits are where they are meant to be."""
+        tori, wells = found.solved.tori, found.wells
+        if self.hinted:
+            wells = _between_turning_points(self.task, tori, self.asked.goals.take(orbits), wells)
+        return in_wells(self.landscape.model, wells, self.hints[:, orbits])
+
+    def run(self) -> None:
+        """Look for a torus where each is meant to be, for another one of some orbits, then of those next to them."""
+        astray = np.flatnonzero(~self.fitting)
+        tori = self.first.solved.tori.take(astray)
+        at_hints = np.where(np.isnan(self.hints[:, astray]), tori.q, self.hints[:, astray])
+        self.from_there(astray, tori._replace(q=at_hints, ends=np.full_like(tori.ends, np.nan)))
+        few = np.union1d(some_first(self.everyone)[0], np.flatnonzero(~self.fitting))
+        self.look_around(few)
+        known, sizes, another = few[self.another[few]], self.asked.sizes, self.another
+        if len(few) == len(another) or not len(known):
+            return
+        # an orbit has a second torus where one of those next to it has: it begins at the nearest not in its own well
+        beside = another[few][nearest(sizes[:, few], sizes)].any(axis=0)
+        some = np.flatnonzero(beside & ~another & self.fitting)
+        pool = self.first.take(known).joined(self.last.take(known))
+        both = Seeds(pool.solved.tori, pool.solved.actions, np.tile(sizes[:, known], 2))
+        near, _ = _nearest_apart(self.first.take(some).wells, pool.wells, sizes[:, some], both.actions)
+        some, near = some[near >= 0], near[near >= 0]
+        self.from_there(some, *begun(both, near[None], self.asked.take(some)))
+        left = some[~another[some]]
+        self.look_around(left[another[nearest(sizes, sizes[:, left])].any(axis=0)])
+
+    def from_there(self, seen: Integers, begin: Tori, step: Reals | None = None) -> None:
+        """Look for other tori of some orbits from others, to which a step is known or not."""
+        goals, model = self.asked.goals, self.landscape.model
+        # most lead back to the torus that is known: a few digits of the constants tell
+        for rough in (True, False):
+            step = np.zeros((len(goals.unknown), len(seen))) if step is None else step
+            there = constants_of_tori(self.task, (begin, step), goals.take(seen), _ROUNDS, rough=rough)
+            met = np.flatnonzero(there.good)
+            new, seen, step = there.take(met), seen[met], None
+            wells = self.landscape.wells(new.tori, goals.rotating[:, seen], every=self.hinted)
+            found, apart = _Known(new, wells), np.ones(len(seen), dtype=bool)
+            for one in (self.first, self.last, self.chosen):
+                apart &= ~found.same(model, one.take(seen), goals.scale[seen])
+            found, seen = found.take(np.flatnonzero(apart)), seen[apart]
+            begin = found.solved.tori
+        self.another[seen] = True
+        self.last.put(seen, found)
+        fits = np.flatnonzero(self.meant(found, seen))
+        index = seen[fits]
+        self.several[index[self.fitting[index]]] = True
+        self.chosen.put(index, found.take(fits))
+
+    def look_around(self, some: Integers) -> None:
+        """Look for other tori of some orbits where p² has other maxima, and from random tori."""
+        for seen, begin in _elsewhere(self.first.take(some).wells, self.first.solved.tori.take(some)):
+            self.from_there(some[seen], begin)
+        left = some[~(self.another & self.fitting)[some]]
+        seen, begin = _beside(self.landscape, self.seeds, self.asked.take(left), self.first.take(left).wells)
+        self.from_there(left[seen], begin)
+
+
+class _Known(NamedTuple):
+    """Tori that were found of n orbits, and their wells."""
+
+    solved: Solved
+    wells: list[Wells]
+
+    @classmethod
+    def of(cls, solved: Solved, wells: Sequence[Wells]) -> _Known:
+        """Return copies."""
+        everyone = np.arange(len(solved.good))
+        return cls(solved.take(everyone), [one.take(everyone) for one in wells])
+
+    def take(self, index: Integers) -> _Known:
+        return _Known(self.solved.take(index), [one.take(index) for one in self.wells])
+
+    def put(self, index: Integers, other: _Known) -> None:
+        self.solved.put(index, other.solved)
+        for mine, theirs in zip(self.wells, other.wells, strict=True):
+            for whole, part in zip(mine, theirs, strict=True):
+                whole[..., index] = part
+
+    def joined(self, other: _Known) -> _Known:
+        """Return these and others."""
+        wells = [
+            Wells(*(np.concatenate(pair, axis=-1) for pair in zip(mine, theirs, strict=True)))
+            for mine, theirs in zip(self.wells, other.wells, strict=True)
+        ]
+        return _Known(self.solved.joined(other.solved), wells)
+
+    def same(self, model: Model, other: _Known, scale: Reals) -> Mask:
+        """Return which tori are those of others."""
+        return same_tori(model, self.solved, other.solved.tori, scale, (self.wells, other.wells))
 
 
 def _between_turning_points(task: AngleTask, tori: Tori, goals: Goals, wells: Sequence[Wells]) -> list[Wells]:

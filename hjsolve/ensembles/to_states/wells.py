@@ -123,8 +123,9 @@ class Landscape(NamedTuple):
         # maxima by the slope: p² itself shows no wells that are below the rounding of its constants
         rises = (formula.sign * slope).reshape(count, size) > 0
         middles = 0.5 * (grid[:-1] + grid[1:])
-        outside = (index[1:] <= before[:, None]) | (index[:-1] >= after[:, None])
-        outside |= (middles < low[:, None]) | (middles > high[:, None])
+        first, last = np.searchsorted(middles, low), np.searchsorted(middles, high, side="right")
+        first, last = np.maximum(before, first), np.minimum(after, last)
+        outside = (index[1:] <= first[:, None]) | (index[:-1] >= last[:, None])
         outside &= rises[:, :-1] & ~rises[:, 1:]
         others = np.full((_WELLS, count), np.nan)
         if coordinate.periodic:  # each maximum once, the one next above the lower end of the well
