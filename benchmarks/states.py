@@ -47,6 +47,17 @@ SYSTEMS: dict[str, dict[str, tuple[float, float]]] = {
 }
 
 
+def about_two_centres(count: int) -> tuple[Columns, Columns, Columns]:
+    """Return actions, angles and places of random bounded motions about two centres."""
+    dice, size = np.random.default_rng(5), 3 * count
+    q = {"xi": np.exp(dice.uniform(-3, 1.2, size)), "eta": dice.uniform(0.1, 3, size), "phi": dice.uniform(-3, 3, size)}
+    p = {"xi": dice.normal(0, 1, size), "eta": dice.normal(0, 1, size), "phi": np.exp(dice.uniform(-3, 1, size))}
+    forth = hjsolve.ensemble("two-centres-space", q=q, p=p, want={"actions", "angles"}, fallback=False)
+    known = np.flatnonzero(forth.codes == 0)[:count]
+    actions, angles, places = ({c: np.array(x)[known] for c, x in g.items()} for g in (forth.actions, forth.angles, q))
+    return actions, angles, places
+
+
 def conditioning(solution: Any, q: Columns, p: Columns, actions: Columns) -> Columns:
     """Return what a rounding of every q and p does to the actions, relatively."""
     dice, found = np.random.default_rng(9), {name: np.zeros(np.shape(J)) for name, J in actions.items()}
@@ -62,12 +73,12 @@ def conditioning(solution: Any, q: Columns, p: Columns, actions: Columns) -> Col
     return found
 
 
-def row(title: str, solution: Any, actions: Columns, angles: Columns) -> str:
-    """Measure one family."""
+def row(title: str, solution: Any, actions: Columns, angles: Columns, wells: Columns | None = None) -> str:
+    """Measure one family; ``wells`` are places in the wells that are meant."""
     count = len(next(iter(actions.values())))
 
     def back() -> Any:
-        return hjsolve.ensemble(solution, actions=actions, angles=angles, want={"state"}, fallback=False)
+        return hjsolve.ensemble(solution, actions=actions, angles=angles, q=wells, want={"state"}, fallback=False)
 
     back()  # tables and programs
     begin, clock = time.process_time(), time.perf_counter()
@@ -130,6 +141,8 @@ def main() -> None:
         print(row(family, galaxy, dict(forth.actions), dict(forth.angles)), flush=True)
     for name in SYSTEMS:
         print(row(name, hjsolve.solve(name), *drawn(name, count)), flush=True)
+    told = about_two_centres(count)
+    print(row("two-centres-space, q told", hjsolve.solve("two-centres-space"), *told), flush=True)
     solution, (actions, angles) = hjsolve.solve("two-centres-space"), drawn("two-centres-space", _IN_THE_GAP)
     states = hjsolve.ensemble(solution, actions=actions, angles=angles, want={"state"}, fallback=False)
     left = np.flatnonzero(states.status == "not_converged")

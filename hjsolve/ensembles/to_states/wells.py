@@ -123,7 +123,8 @@ class Landscape(NamedTuple):
         # maxima by the slope: p² itself shows no wells that are below the rounding of its constants
         rises = (formula.sign * slope).reshape(count, size) > 0
         middles = 0.5 * (grid[:-1] + grid[1:])
-        first, last = np.searchsorted(middles, low), np.searchsorted(middles, high, side="right")
+        # the last sample below the well, and the first above it: its own maximum may lie between two samples
+        first, last = np.searchsorted(grid, low, side="right") - 1, np.searchsorted(grid, high)
         first, last = np.maximum(before, first), np.minimum(after, last)
         outside = (index[1:] <= first[:, None]) | (index[:-1] >= last[:, None])
         outside &= rises[:, :-1] & ~rises[:, 1:]
