@@ -33,6 +33,8 @@ _CROWDED = 28, 7
 either change last bits and no time."""
 _FIRST = 32
 """Nodes that circular anomalies are tried with first: fewer suffice for p² that hardly varies, and cost as much."""
+_FRACTION_OF_ROUGH = 0.5
+"""Of the nodes with which rough integrals begin: half as many digits."""
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
 """The nodes needed grow nearly like the fraction of the radius that is missing, at least with this power; for stretched
 anomalies, and where nothing is known, as if the fraction were 0.4 at least. Twice as many as there are is too many.
@@ -93,7 +95,10 @@ def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely
     maps, m = turn_maps(), len(one.constants)
     index = maps.index(slow.level, slow.several)
     direction = np.sign(one.P)
-    least = _least(sides(one.coordinate)[0].clearance, slow, direction)
+    if modes.approximate:  # a guess for Newton's method on actions: no claim, hence no proof
+        least = np.searchsorted(COUNTS, _FRACTION_OF_ROUGH * _usual(slow)).astype(np.int64)
+    else:
+        least = _least(sides(one.coordinate)[0].clearance, slow, direction)
     zero = 0.0 * slow.centre
     # the bound that programs in doubles need, as in ``librating``
     lost = np.maximum(one.uncertainty - np.abs(one.low), 0.0) / FINER  # by doubles, of the constants
@@ -120,7 +125,7 @@ def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers
     """
     found = np.full(len(slow.level), -1, dtype=np.int64)
     # fewer nodes than these hardly ever suffice: to look for a proof would cost more than the nodes
-    hint = np.where(slow.level > 0, np.maximum(_FIRST, _CROWDED[0] + _CROWDED[1] * slow.level), float(_FIRST))
+    hint = _usual(slow)
     codes = 2 * slow.level + slow.several
     for k, count in enumerate(COUNTS):
         chosen = np.flatnonzero((found < 0) & (hint <= count))
@@ -142,6 +147,11 @@ def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers
             guess = count * np.fmax(fraction, np.fmax(floor, 1e-3)) ** -_CAUTIOUS
             hint[left] = np.where(guess < _HOPELESS * COUNTS[-1], np.minimum(guess, COUNTS[-1]), np.inf)
     return found
+
+
+def _usual(slow: SlowPlaces) -> Reals:
+    """Return the nodes over half a turn that orbits mostly need, at least."""
+    return np.where(slow.level > 0, np.maximum(_FIRST, _CROWDED[0] + _CROWDED[1] * slow.level), float(_FIRST))
 
 
 def _fraction(clearance: Clearance, slow: SlowPlaces, direction: Reals, count: int, *, coarse: bool) -> Reals:

@@ -23,6 +23,8 @@ from hjsolve.ensembles.engine.kernels.types import Modes, Sums
 
 _MOST_MAPS = 8  # pairs of a number of nodes and a map, tried for one orbit
 _HOPELESS = 2.0  # times the largest number of nodes: beyond, that one is not tried
+_WISH, _WISH_OF_SERIES, _ROUGH_WISH = 1e-10, 1e-15, 1e-6  # last coefficients over the mean, that more nodes shall give
+_ROUGH = 1e-9  # aliasing over the mean of rough integrals, which lead a search to residuals of 1e-8
 
 
 class Turns(NamedTuple):
@@ -91,8 +93,8 @@ def _moved(θ: float, m: float) -> tuple[float, float]:
 
 @helper
 def _nodes(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int, place: tuple[int, int, int],
-           tables: Turns, finely: bool) -> None:  # fmt: skip
-    """Work out F and its errors at the nodes of one orbit."""
+           tables: Turns, finely: bool, rough: bool) -> None:  # fmt: skip
+    """Work out F at the nodes of one orbit, and its errors but for rough integrals."""
     (m, size, n), known = place, motions.known.shape[1]
     centre, direction, ratio = motions.centre[i], motions.direction[i], motions.ratio[i]
     two, angles, speeds = tables.maps[m, 5] == 2.0, tables.angle[m, size], tables.speed[m, size]
@@ -119,19 +121,28 @@ def _nodes(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int
             row[j] = e
     slots = (n + 7) // 8 * 8
     run(fill, slots)
-    run(errors, slots)
+    if not rough:
+        run(errors, slots)
 
 
 @helper
-def _noise(fill: MachineProgram, errors: MachineProgram, n: int, noise: Reals) -> bool:
-    """Return sums of the errors of all integrands over the nodes; whether F > 0 at all of them."""
+def _positive(F: Reals, n: int) -> bool:
+    """Return whether F > 0 at all nodes."""
+    positive = True
+    for j in range(n):
+        positive = positive and F[j] > 0.0
+    return positive
+
+
+@helper
+def _noise(fill: MachineProgram, errors: MachineProgram, n: int, noise: Reals) -> None:
+    """Write sums of the errors of all integrands over the nodes."""
     kernels = noise.shape[0] - 1
     r, F, δF = fill.registers[fill.outputs[1]], fill.registers[fill.outputs[2]], errors.registers[errors.outputs[0]]
-    total, positive = 0.0, True
+    total = 0.0
     # δ(F r) = ½ r δF, as F r = √F dq/dχ; all signs may agree, so the errors add up
     for j in range(n):
         total += 0.5 * r[j] * δF[j]
-        positive = positive and F[j] > 0.0
     noise[0] = total
     for k in range(kernels):
         kr, e = fill.registers[fill.outputs[3 + k]], errors.registers[errors.outputs[1 + k]]
@@ -139,7 +150,6 @@ def _noise(fill: MachineProgram, errors: MachineProgram, n: int, noise: Reals) -
         for j in range(n):  # δ(k r) = r δk − ½ k r δF/F
             total += 0.5 * abs(kr[j]) * δF[j] / F[j] + r[j] * e[j]
         noise[1 + k] = total
-    return positive
 
 
 @inlined
@@ -157,7 +167,7 @@ def _ruled(fill: MachineProgram, noise: Reals, results: Sums, i: int, place: tup
     """Apply the rule; returns how many nodes of half a turn are needed, −1 where these suffice."""
     size, n = place
     half, more = 0.5 * n, -1.0
-    wish = 1e-15 if modes.oscillations else 1e-10
+    wish = _ROUGH_WISH if modes.approximate else _WISH_OF_SERIES if modes.oscillations else _WISH
     for k in range(noise.shape[0]):
         row = fill.registers[fill.outputs[0 if k == 0 else 2 + k]]
         mean, scale = dot(row, tables.circle[size, 2], n) / n, sizes(row, n) / n
@@ -166,6 +176,8 @@ def _ruled(fill: MachineProgram, noise: Reals, results: Sums, i: int, place: tup
         tail, middle = _largest(tables.last[size], row, n), _largest(tables.middle[size], row, n)
         rounding = ROUNDING_FACTOR * noise[k] / n + 8.0 * EPS * scale
         alias, fits = enough(tail, middle, rounding, scale, modes.oscillations)
+        if modes.approximate:  # a running integral misses what lies beyond its last coefficients
+            fits = (tail if modes.oscillations else alias) <= _ROUGH * scale
         if not fits and scale != 0.0:
             # |cₖ| ~ ρᵏ from the mean to the last coefficient; the series of a whole turn has n/2 terms
             excess = min(max(tail, 1e-300) / scale, 0.5)
@@ -276,9 +288,14 @@ def rotations(fill: MachineProgram, errors: MachineProgram, motions: Rounds, tab
             if size < 0 or size >= sizes:
                 break
             n = tables.counts[size]
-            _nodes(fill, errors, motions, i, (m, size, n), tables, finely)
-            positive = _noise(fill, errors, n, work.noise)
-            more = _ruled(fill, work.noise, results, i, (size, n), tables, modes) if positive else float(n)
+            _nodes(fill, errors, motions, i, (m, size, n), tables, finely, modes.approximate)
+            more = float(n)
+            if _positive(fill.registers[fill.outputs[2]], n):
+                if modes.approximate:
+                    work.noise[:] = 0.0
+                else:
+                    _noise(fill, errors, n, work.noise)
+                more = _ruled(fill, work.noise, results, i, (size, n), tables, modes)
             if more < 0.0:
                 results.good[i], results.chosen[0, i], results.chosen[1, i] = True, size, m
                 if modes.oscillations:
