@@ -27,7 +27,7 @@ from hjsolve.ensembles.to_states.short_arcs import (
 )
 from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, AngleTask, Tori
 
-_ROUNDS, _LEAST_STEP = (24, 60, 16), 2.0**-30
+_ROUNDS, _LEAST_STEP = (12, 40, 16), 2.0**-30
 """Evaluations of θ by integrals of each kind, and the fraction of a step below which an orbit is given up."""
 _LONGEST = 1.0
 """Radians that a phase moves in one step, at most."""
@@ -154,7 +154,7 @@ def _phases(
     (θ, base, curve), m, close = given, len(task.model.constants), _CLOSE if how == EXACT else _NEARLY
     size, n = θ.shape
     base, curve, seen = base.copy(), curve.copy(), base.copy()
-    trial, step = base.copy(), np.zeros((size, n))
+    trial, step, slopes = base.copy(), np.zeros((size, n)), np.full((n, size, size), np.nan)
     fraction, merit = np.ones(n), np.full(n, np.inf)
     angles = len(task.model.angles)
     shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size)
@@ -174,7 +174,10 @@ def _phases(
         with np.errstate(all="ignore"):
             rounding_error = times(np.abs(matrix_of(found, at)), blurred(among, at))
         finished = found.good & (np.abs(residual) <= np.fmax(close, np.fmax(found.errors, rounding_error))).all(axis=0)
-        better = found.good & ((size_ < (1 - 0.25 * fraction[active]) * merit[active]) | finished)
+        with np.errstate(invalid="ignore"):
+            left = np.max(np.abs(times(slopes[active], residual)), axis=0)
+            whole_ = np.max(np.abs(step[:, active]), axis=0)
+        better = found.good & (~np.isfinite(left) | (left < (1 - 0.25 * fraction[active]) * whole_) | finished)
         settled = ~better & (fraction[active] == 1.0) & (merit[active] < SETTLED)
         with np.errstate(all="ignore"):
             full = (fraction[active] == 1.0) & (merit[active] < 1)
@@ -190,7 +193,7 @@ def _phases(
             whole[..., here] = part[..., better]
         best.put(here, found, better)
         matrices = inverses(matrix_of(found, at)[better])
-        newton = times(matrices, residual[:, better])
+        newton, slopes[here] = times(matrices, residual[:, better]), matrices
         with np.errstate(all="ignore"):
             step[:, here], fraction[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
         fraction[active[~better]] *= 0.25
@@ -228,17 +231,18 @@ def _stepped(
 
 def _nearest_start(task: AngleTask, tori: Tori, frames: Frames, θ: Reals) -> Reals:
     """Return the phases next to turning points whose angles are nearest: for motions that hardly leave an end."""
-    best, merit = θ.copy(), np.full(θ.shape[1], np.inf)
-    for k in range(θ.shape[0]):
-        for upper in (False, True):
-            for power in range(1, _STARTS + 1):
-                φ = θ.copy()
-                near = np.pi * 2.0 ** -(1.5 * power)
-                φ[k] = np.copysign(np.pi - near if upper else near, θ[k])
-                at = placed(task, tori, frames, φ)
-                found = angles_at(task, tori, frames, at, DOUBLES)
-                with np.errstate(invalid="ignore"):
-                    away = np.abs(wrapped(θ - found.separated)).max(axis=0)
-                better = found.good & (away < merit) & ~frames.rotating[k]
-                best[:, better], merit[better] = φ[:, better], away[better]
-    return best
+    size, n = θ.shape
+    near = np.pi * 2.0 ** (-1.5 * np.arange(1, _STARTS + 1))
+    tried = np.tile(θ[:, None], (1, size * 2 * _STARTS, 1))  # of one coordinate after the other, and either end
+    for k, part in enumerate(np.split(tried, size, axis=1)):
+        part[k] = np.copysign(np.concatenate([near, np.pi - near])[:, None], θ[k])
+    each = np.tile(np.arange(n), size * 2 * _STARTS)
+    own, among, φ = tori.take(each), frames.take(each), tried.reshape(size, -1)
+    found = angles_at(task, own, among, placed(task, own, among, φ), DOUBLES)
+    rotating = np.repeat(frames.rotating, 2 * _STARTS, axis=0)
+    with np.errstate(invalid="ignore"):
+        away = np.abs(wrapped(θ[:, each] - found.separated)).max(axis=0).reshape(-1, n)
+    away = np.where(found.good.reshape(-1, n) & ~rotating, away, np.inf)
+    best = away.argmin(axis=0)
+    nearest = tried[:, best, np.arange(n)]
+    return np.where(np.isfinite(away.min(axis=0)), nearest, θ)
