@@ -48,10 +48,6 @@ _LEFT_OVER = 20
 """The last of so many orbits start again together with others."""
 _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
-_PERHAPS = 1e-2
-"""Residual of a rough search that ended, below which it is made once more with proved integrals: four of 110 000 orbits
-about two centres had a torus all the same, with residuals of 1e-4 to 1e-3; of those without one a twentieth are below.
-"""
 _NEAR_UNIT = 2.0**8
 """How far from a length of its own, by what factor, a coordinate is looked for."""
 _TOLERANCE, _OF_PLACE = 1e-6, 2.0**-40
@@ -323,10 +319,8 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
 def _roughly_first(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int) -> Solved:
     """Find the constants of tori most of which do not exist: a few digits of them tell at a third of the price."""
     found, (tori, step) = constants_of_tori(task, begin, goals, rounds, rough=True), begin
-    with np.errstate(all="ignore"):
-        away = np.max(np.abs(goals.actions - found.actions.values) / goals.actions, axis=0)
-    # next to a separatrix rough integrals say nothing: the same search, with proved ones
-    some = np.flatnonzero(found.good | (away < _PERHAPS if rounds == ROUNDS else False))
+    # the same search once more with proved integrals, where rough ones say nothing
+    some = np.flatnonzero(found.good | (~found.denied if rounds == ROUNDS else False))
     met = found.good[some]
     both = zip(found.tori.take(some), tori.take(some), strict=True)
     start = Tori(*(np.where(met, rough, own) for rough, own in both)), np.where(met, 0.0, step[:, some])
