@@ -42,6 +42,8 @@ _LEAST_STEP = 2.0**-12
 _SHORT, _BEYOND = 0.5, 2.0
 """A fraction of a step that should make something better, and the sum of 1/residual over tori in a row where it does
 not: of 15 000 orbits about two centres that converged none had one with a residual below 1.1."""
+_MUCH = 4.0
+"""How many times larger than all actions are to be together one is much too large: small ones are linear in E."""
 _PERHAPS = 1e-2
 """Residual below which rough integrals next to a separatrix say nothing: with those in doubles four of 110 000 orbits
 about two centres had a torus all the same, with residuals of 1e-4 to 1e-3; of those without one a twentieth are below.
@@ -213,7 +215,8 @@ def constants_of_tori(
         for whole, part in zip(best, found, strict=True):
             whole[..., here] = part[..., better]
         merit[here], left[:, here] = own[better], np.abs(residual[:, better])
-        step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
+        missing = _missing(goals.take(here), found.values[:, better])
+        step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], missing)
         _shortened(fraction, beyond, merit, (here, active[~better]))
         done[active[finished | settled | last]] = True
         _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
@@ -226,6 +229,16 @@ def constants_of_tori(
     harmonic = best.harmonic & (goals.actions > unknown_of(best.slopes, base.values))
     finite = done & best.good & ~harmonic.any(axis=0)
     return Solved(base, best, finite, ~finite & (beyond >= _BEYOND) & (merit >= _PERHAPS))
+
+
+def _missing(goals: Goals, found: Reals) -> Reals:
+    """Return by how much actions are to change, to first order; of much too large ones the logarithm.
+
+    Next to the energy of escape J ~ |E|^(−1/2): a step on J itself makes |E| three times as large, whatever J is.
+    """
+    with np.errstate(all="ignore"):
+        large = (goals.actions > 0) & (found > _MUCH * goals.scale)
+        return np.where(large, found * np.log(goals.actions / found), goals.actions - found)
 
 
 def _shortened(fraction: Reals, beyond: Reals, merit: Reals, which: tuple[Integers, Integers]) -> None:
