@@ -23,7 +23,7 @@ C = TypeVar("C", int, Mpf)
 """The kind of coefficients."""
 
 
-class Coefficients(Protocol[C]):
+class SeriesNumbers(Protocol[C]):
     """What coefficients are: how sums of products of them become one of them."""
 
     @property
@@ -136,7 +136,7 @@ class SeriesProgram(Generic[C]):
         series: all series, to be emptied before another expansion.
     """
 
-    numbers: Coefficients[C]
+    numbers: SeriesNumbers[C]
     lines: list[Callable[[int], None]] = field(default_factory=list)
     series: list[list[C]] = field(default_factory=list)
 

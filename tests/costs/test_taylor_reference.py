@@ -12,7 +12,7 @@ from mpmath import mp
 
 import hjsolve
 from hjsolve.arithmetic.floats import Multi
-from hjsolve.arithmetic.power_series import Coefficients, ConstantSeries, FixedPoint, FloatingPoint, SeriesProgram
+from hjsolve.arithmetic.power_series import ConstantSeries, FixedPoint, FloatingPoint, SeriesNumbers, SeriesProgram
 from hjsolve.costs.taylor import follow
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import hamiltonian, velocities
@@ -29,7 +29,7 @@ FUNCTIONS = [
 @pytest.mark.rotating(3)
 @pytest.mark.parametrize("numbers", [FixedPoint(400), FloatingPoint(Multi(400))], ids=["fixed", "floating"])
 @pytest.mark.parametrize("formula", FUNCTIONS, ids=str)
-def test_every_function_has_its_series(formula: sp.Expr, numbers: Coefficients[Any]) -> None:
+def test_every_function_has_its_series(formula: sp.Expr, numbers: SeriesNumbers[Any]) -> None:
     program = SeriesProgram(numbers)
     inner = program.new()
     out = lower([formula], [X]).run(program, [inner])[0]
