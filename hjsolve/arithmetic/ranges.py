@@ -1,10 +1,11 @@
 """What a function can be over an interval, rounded outward: the arithmetic under ``Estimate``.
 
 Every function takes c, mpmath's context, in whose precision ends are rounded, and intervals x, y. An interval is a pair
-(low, high) of mpmath's numbers, each exactly what it is. The four operations and the root are rounded in the direction
-asked. Every other function is widened by 2⁶ units in the last place of the working precision, far more than mpmath's
-own rounding. Its value at the one place where it is exact (e⁰, ln 1, …) is left alone; at every other fraction it is
-irrational, so that a short result there would be a rounded one.
+(low, high) of mpmath's numbers, each exactly what it is. The four operations are those of mpmath's intervals, as in
+``algebra.intervals``; they and the root are rounded in the direction asked. Every other function is widened by 2⁶ units
+in the last place of the working precision, far more than mpmath's own rounding. Its value at the one place where it is
+exact (e⁰, ln 1, …) is left alone; at every other fraction it is irrational, so that a short result there would be a
+rounded one.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from functools import partial
 from math import inf
 from typing import TypeAlias
 
+from mpmath import libmp
+
 from hjsolve.arithmetic import function_rules
 from hjsolve.arithmetic.floats import CIRCULAR, FARTHEST, by_squaring
 from hjsolve.arithmetic.number_types import Context, Mpf
@@ -21,6 +24,8 @@ from hjsolve.errors import InvalidInputError
 
 Range: TypeAlias = tuple[Mpf, Mpf]
 """Lower and upper end."""
+Parts: TypeAlias = tuple[int, int, int, int]
+"""Sign, mantissa, exponent and bits: what libmp computes with."""
 Function: TypeAlias = Callable[[Context, Range], Range]
 """(mpmath's context, interval) → interval."""
 
@@ -35,20 +40,25 @@ _POLES = {"log": (0,), "log2": (0,), "log10": (0,), "log1p": (-1,), "atanh": (-1
 """Ends at which a function is infinite."""
 
 
+def _by_mpmath(rule: Callable[..., tuple[Parts, Parts]], c: Context, *operands: Range) -> Range:
+    """Return what an operation of mpmath's intervals gives, rounded outward to the context's precision."""
+    low, high = rule(*((x[0]._mpf_, x[1]._mpf_) for x in operands), c.prec)
+    return c.make_mpf(low), c.make_mpf(high)
+
+
 def add(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x + y."""
-    return c.fadd(x[0], y[0], rounding="f"), c.fadd(x[1], y[1], rounding="c")
+    return _by_mpmath(libmp.mpi_add, c, x, y)
 
 
 def subtract(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x − y."""
-    return c.fsub(x[0], y[1], rounding="f"), c.fsub(x[1], y[0], rounding="c")
+    return _by_mpmath(libmp.mpi_sub, c, x, y)
 
 
 def multiply(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x·y."""
-    pairs = [(a, b) for a in x for b in y]
-    return min(c.fmul(a, b, rounding="f") for a, b in pairs), max(c.fmul(a, b, rounding="c") for a, b in pairs)
+    return _by_mpmath(libmp.mpi_mul, c, x, y)
 
 
 def divide(c: Context, x: Range, y: Range) -> Range:
@@ -59,8 +69,7 @@ def divide(c: Context, x: Range, y: Range) -> Range:
     """
     if y[0] <= 0 <= y[1]:
         raise InvalidInputError(f"division by {_text(c, y)}: it may be 0, so the quotient has no bound")
-    pairs = [(a, b) for a in x for b in y]
-    return min(c.fdiv(a, b, rounding="f") for a, b in pairs), max(c.fdiv(a, b, rounding="c") for a, b in pairs)
+    return _by_mpmath(libmp.mpi_div, c, x, y)
 
 
 def power(c: Context, x: Range, y: Range) -> Range:

@@ -33,7 +33,7 @@ from hjsolve.arithmetic.complex_disks import Disks, single
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Reals
-from hjsolve.arithmetic.power_series import PowerSeriesArithmetic
+from hjsolve.arithmetic.power_series import FloatingPoint, SeriesProgram
 from hjsolve.errors import NotConvergedError
 from hjsolve.extended.ends_of_domains import Approach, Wall, first_end
 from hjsolve.lowering import lower
@@ -187,7 +187,10 @@ class _Walk:
         self.end: Estimate | None = None
         self._bits = int(3.33 * digits) + 40
         self._context = multiprecision(self._bits)
-        self._tape = lower([*flow.matrix, *flow.force], [flow.time])
+        self._program: SeriesProgram[Mpf] = SeriesProgram(FloatingPoint(Multi(self._bits)))
+        self._times = self._program.new()
+        slots = lower([*flow.matrix, *flow.force], [flow.time]).run(self._program, [self._times])
+        self._entries = [self._program.coefficients(slot) for slot in slots]
         m = flow.matrix.rows
         self._rows = [[(c, m * r + c, flow.time in flow.matrix[r, c].free_symbols)
                        for c in range(m) if flow.matrix[r, c] != 0] for r in range(m)]  # fmt: skip
@@ -276,5 +279,8 @@ class _Walk:
 
     def _coefficients(self, order: int) -> list[list[Mpf]]:
         """Taylor coefficients of the entries of A and b at the time."""
-        arithmetic = PowerSeriesArithmetic(Multi(self._bits), order)
-        return list(self._tape.run(arithmetic, [arithmetic.variable(self._t)]))
+        self._program.restart()
+        for k in range(order + 1):
+            self._times.append(self._context.zero if k > 1 else self._context.one if k else self._t)
+            self._program.extend(k)
+        return [[entry(k) for k in range(order + 1)] for entry in self._entries]

@@ -36,6 +36,7 @@ class InBits:
     def __call__(self, bits: int) -> Mpf:
         """Return the number, to (about) so many bits."""
         if bits not in self._known:
+            # what mild cancellation takes; whether a formula loses more is for ``_agreed`` to say
             more = Multi(bits + 64)
             if self._tape is None:
                 exact = more.rational(int(self.value.p), int(self.value.q))
@@ -62,8 +63,10 @@ def number_is_zero(value: sp.Expr) -> bool:
     """
     if value.is_Rational:
         return bool(value == 0)
+    # sympy's is_zero multiplies out and factors integers: minutes for those of hundreds of digits
     length = sum(abs(n.p).bit_length() + n.q.bit_length() for n in value.atoms(sp.Rational))
     short = _terms(value) <= _SHORT and length <= _FACTORED_BITS
+    # two precisions that agree in 64 bits of a number that is not 0 have seen the number, not its rounding
     if not short and _agreed(value, 128):
         return False
     known = value.is_zero if length <= _FACTORED_BITS else None
@@ -73,7 +76,9 @@ def number_is_zero(value: sp.Expr) -> bool:
         return any(number_is_zero(factor) for factor in value.args)
     if value.is_Pow and value.exp.is_positive:
         return number_is_zero(value.base)
+    # a bound on how near to 0 an algebraic number may be grows with the length of its integers
     bits = max(ZERO_BITS, _BITS_OF_SEPARATION * length)
+    # rounding is that of the largest term, however much of it cancels
     size = max(abs(to_bits(term)(64)) for term in sp.Add.make_args(value))
     tiny = abs(to_bits(value)(bits)) <= size * multiprecision(64).mpf(2) ** (64 - bits)
     return bool(tiny or not _agreed(value, bits // 2))

@@ -50,11 +50,13 @@ def values_at(tape: Tape, arrays: Sequence[Numbers], fixed: Sequence[sp.Expr]) -
         fixed: the others, exact.
     """
     if arrays[0].dtype != object:
+        # 64 bits, rounded once: what float() makes of a sympy number may be an evaluation at 15 digits
         numbers = [float(to_bits(x)(64)) for x in fixed]
         with np.errstate(all="ignore"):
             return [np.broadcast_to(x, arrays[0].shape) for x in tape.run(Float64(), [*arrays, *numbers])]
     field = Multi(bits_in(arrays[0]))
     exact, ended = [to_bits(x)(field.bits) for x in fixed], [field.context.nan] * len(tape.outputs)
+    # ``Multi`` computes with single numbers: row by row, and not where the motion has ended
     rows = []
     for row in zip(*arrays, strict=True):
         inputs = [field.convert(x) for x in row]
@@ -76,6 +78,7 @@ def bounded_at(
     """
     inputs = [WithErrorBound(np.asarray(x, dtype=float), e) for x, e in zip(arrays, errors, strict=True)]
     numbers = (np.asarray(float(to_bits(x)(64))) for x in fixed)
+    # a parameter is rounded to the precision in which the formulas ran, here it is a double
     inputs += [WithErrorBound(x, 2.0**-bits * np.abs(x)) for x in numbers]
     shape = arrays[0].shape
     with np.errstate(all="ignore"):

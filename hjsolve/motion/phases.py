@@ -47,9 +47,11 @@ def phases_at(motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Cal
     """Solve Jacobi's equations at the times t."""
     many = motion.digits > 15
     time, precise, bits = times_at(motion, floats, exact)
+    # doubles first: Newton's method in many digits begins next to the phase and doubles its digits at each step
     χ, whole, errors, ended = solve_phases(motion, within_doubles(time))
     for cycles in whole:
         whole_numbers(cycles)
+    # after the end of a motion phases are not asked for, but formulas run over whole arrays
     χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _coordinate_motions(motion), strict=True)]
     if many and precise:
         refined, errors_left = _refined_where(~ended, motion, χ, whole, precise, bits)
@@ -69,6 +71,7 @@ def times_at(
             (abs(float(x(64))) for x in exact),
             default=float(np.max(np.abs(floats), initial=0.0)) if floats is not None else 0.0,
         )
+        # turns are taken off Ω (t − t₀): as many more bits as the turns have
         rate = max((abs(f.value) for f in motion.frequencies.values()), default=0.0)
         bits += max(0, int(np.log2(min(largest * float(rate), 1e300) + 1.0)))
     rules = exact if floats is None else [_rule(x) for x in floats] if many else []
@@ -86,6 +89,7 @@ def solve_phases(
     """
     never = np.zeros(time[0].shape, dtype=bool)
     if motion.torus is not None:
+        # all coordinates bounded: quasi-periodic equations, reduced by whole turns; else at least one runs away or ends
         return *torus.torus_phases(motion.torus, time), never
     return ([], [], [], never) if motion.scheme is None else open_motion.open_phases(motion.scheme, time)
 
@@ -103,6 +107,7 @@ def _refined_where(
     going: Mask, motion: SeparatedMotion, χ: list[Reals], whole: list[Counts], precise: list[Mpf], bits: int
 ) -> tuple[Sequence[Numbers], Sequence[Numbers]]:
     """Return phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
+    # the usual case keeps its arrays; rows that have ended would only be masked out and put back
     if going.all():
         return _refined(motion, χ, whole, precise, bits)
     approximate = np.frompyfunc(multiprecision(bits).mpf, 1, 1)
@@ -122,6 +127,7 @@ def _refined(
         return refine.on_torus(motion.torus, χ, whole, precise, bits)
     if motion.scheme is None:
         return χ, []
+    # open equations are not periodic: the bounded coordinates among them need their turns back
     full: list[Reals] = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
     coordinate_motions = [c.covering(x) for c, x in zip(motion.scheme.coordinate_motions, full, strict=True)]
     found, errors = refine.unbounded(coordinate_motions, motion.scheme.equations, full, precise, bits)

@@ -55,6 +55,7 @@ def lengths_in_units(system: System, velocity: Values, factors: tuple[sp.Expr, .
         velocity: coordinate → number or quantity.
         factors: as ``factors_of``.
     """
+    # the coordinate with h = 1 is a length: its rate has the unit that all components along unit vectors have
     length = next(c.name for c, h in zip(system.coordinates, factors, strict=True) if h == 1)
     result: dict[str, object] = {}
     for name, value in velocity.items():
@@ -78,6 +79,7 @@ def rates_of(system: System, q: Values, velocity: Values, factors: tuple[sp.Expr
     places = complete_numbers(system.coordinates, q, "q")
     speeds = complete_numbers(system.coordinates, velocity, "velocity")
     at = {c.symbol: places[c.name] for c in system.coordinates}
+    # v = h q̇ with h² = g_qq of the metric; exact, so that a start on the axis is told from one next to it
     scales = [h.xreplace(at) for h in factors]
     if any(number_is_zero(h) for h in scales):
         raise InvalidInputError("q: on the axis the coordinates have no unit vectors; start a little next to it")

@@ -35,6 +35,7 @@ def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[st
     fine = motion if motion.digits > FLOAT_DIGITS else separated_motion(
         solution, motion.initial, motion.t0, FINER, motion.parts
     )  # fmt: skip
+    # a double is worked out in ``FINER`` digits: W between two places is a difference of sweeps from the start
     bits, unit = bits_for(fine.digits, 128), unit_of(fine)
     given = {name: exact_numbers(values, f"place of {name}") for name, values in q.items()}
     shape = np.broadcast_shapes(*(own for own, _ in given.values()))
@@ -49,6 +50,7 @@ def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[st
         χ, whole = np.array([x for x, _ in found], dtype=object), np.array([n for _, n in found], dtype=object)
         part, slope, size = swept_from_start(fine.located[name].coordinate_motion, χ, whole, many=True)
         value = value + part
+        # a phase is known to a unit of 1 + |χ|, and W changes by its slope there; four roundings of its size
         error = error + unit * ((1 + abs(χ.astype(float))) * abs(slope.astype(float)) + 4 * size.astype(float))
     for coordinate in solution.system.coordinates:
         if coordinate.name not in solution.coordinates:
@@ -88,6 +90,7 @@ def _phase(motion: SeparatedMotion, name: str, place: Mpf, sign: int | None) -> 
     """Return the phase of a place on a branch, and whole turns next to it."""
     coordinate_motion, bits = motion.located[name].coordinate_motion, bits_for(motion.digits, 128)
     if coordinate_motion.rests:
+        # p = 0 wherever it rests, so that W has nothing to add and no place but this one
         rest = coordinate_motion.place(np.array([0 * place], dtype=object))[0][0]
         if abs(place - rest) > (1 + abs(rest)) * 10.0**-FLOAT_DIGITS:
             raise OutsideMotionError(f"{name} rests at {float(rest):.12g}: it is nowhere else")
@@ -109,6 +112,7 @@ def _on_cycle(
     turn = 2 * arithmetic.pi()
     χ = cycle.phase(between_turning_points(motion, name, cycle, place), arithmetic)
     if not cycle.rotates:
+        # p > 0 on the first half of a turn from the lower turning point, p < 0 on the way back
         χ = abs(χ) if sign != -1 else turn - abs(χ)
         begin = motion.located[name].coordinate_motion.start
         return χ, int(arithmetic.context.floor(begin / turn))
@@ -117,6 +121,7 @@ def _on_cycle(
     start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits_for(motion.digits, 128))
     there, first = cycle.place(np.array([χ, cycle.start], dtype=object))[0]
     end_map = cycle.direction * turn * cycle.radian
+    # a phase is known within a turn; what is left of the place are whole turns, counted from the start
     turns = [arithmetic.context.nint((x - y) / end_map) for x, y in ((place, there), (start, first))]
     return χ, int(turns[0] - turns[1])
 

@@ -13,7 +13,6 @@ from hjsolve.arithmetic.number_types import Elementwise, Mask, Reals
 from hjsolve.arithmetic.root_finding import bracketed_roots
 from hjsolve.one_coordinate.coordinate_motion import (
     AtRest,
-    CoordinateMotion,
     KindOfMotion,
     Periodic,
     Unbounded,
@@ -24,8 +23,9 @@ from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.torus import _alone
 
 
+@singledispatch
 def solve_alone(
-    coordinate_motion: CoordinateMotion,
+    coordinate_motion: KindOfMotion,
     weights: Weights,
     value: Reals,
     residual_bound: Reals,
@@ -44,17 +44,10 @@ def solve_alone(
     Returns:
         χ, whole turns, a bound on the error of χ, and True where the coordinate has ended before; shape (m,).
     """
-    found: tuple[Reals, Reals, Reals, Mask] = _solved(coordinate_motion, weights, value, residual_bound, own, time)
-    return found
-
-
-@singledispatch
-def _solved(coordinate_motion: KindOfMotion, *_: object) -> tuple[Reals, Reals, Reals, Mask]:
-    """Solve the same for each kind of motion."""
     raise NotImplementedError(type(coordinate_motion))
 
 
-@_solved.register
+@solve_alone.register
 def _of_cycle(
     coordinate_motion: Periodic,
     weights: Weights,
@@ -78,7 +71,7 @@ def _of_cycle(
     return x, whole, error, np.zeros(value.shape, dtype=bool)
 
 
-@_solved.register
+@solve_alone.register
 def _of_rest(
     coordinate_motion: AtRest, weights: Weights, value: Reals, residual_bound: Reals, *_: object
 ) -> tuple[Reals, Reals, Reals, Mask]:
@@ -88,7 +81,7 @@ def _of_rest(
     return value / rate, 0.0 * value, error, np.zeros(value.shape, dtype=bool)
 
 
-@_solved.register
+@solve_alone.register
 def _of_open(
     coordinate_motion: Unbounded, weights: Weights, value: Reals, error_bound: Reals, *_: object
 ) -> tuple[Reals, Reals, Reals, Mask]:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import itertools
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import sympy as sp
 from mpmath import mp
 
 import hjsolve
-from hjsolve.costs.taylor import ConstantSeries, Program, follow
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.power_series import ConstantSeries, FixedPoint, FloatingPoint, SeriesNumbers, SeriesProgram
+from hjsolve.costs.taylor import follow
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.initial_data import to_bits
@@ -24,9 +27,10 @@ FUNCTIONS = [
 
 
 @pytest.mark.rotating(3)
+@pytest.mark.parametrize("numbers", [FixedPoint(400), FloatingPoint(Multi(400))], ids=["fixed", "floating"])
 @pytest.mark.parametrize("formula", FUNCTIONS, ids=str)
-def test_every_function_has_its_series(formula: sp.Expr) -> None:
-    program = Program(400)
+def test_every_function_has_its_series(formula: sp.Expr, numbers: SeriesNumbers[Any]) -> None:
+    program = SeriesProgram(numbers)
     inner = program.new()
     out = lower([formula], [X]).run(program, [inner])[0]
     assert not isinstance(out, ConstantSeries)
@@ -35,11 +39,10 @@ def test_every_function_has_its_series(formula: sp.Expr) -> None:
     path = formula.subs(X, sum(c * h**k for k, c in enumerate(given)))
     with mp.workdps(80):
         for k, coefficient in enumerate(given):
-            inner.append(program.fixed(to_bits(coefficient)(400)))
-            for line in program.lines:
-                line(k)
+            inner.append(numbers.of(to_bits(coefficient)(400)))
+            program.extend(k)
             expected = sp.N(sp.diff(path, h, k).subs(h, 0) / sp.factorial(k), 60)
-            assert abs(mp.mpf(program.real(out[k])) - mp.mpf(expected)) < mp.mpf(10) ** -55, k
+            assert abs(mp.mpf(numbers.real(out[k])) - mp.mpf(expected)) < mp.mpf(10) ** -55, k
 
 
 def flow_of(name: str, digits: int, times: list[int]) -> tuple[list[list[object]], object]:

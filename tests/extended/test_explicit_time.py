@@ -13,7 +13,7 @@ from mpmath import mp, mpf
 
 import hjsolve
 from hjsolve.arithmetic.floats import Multi
-from hjsolve.arithmetic.power_series import PowerSeriesArithmetic
+from hjsolve.arithmetic.power_series import FloatingPoint, SeriesProgram
 from hjsolve.command_line.main import main
 from hjsolve.extended.quadratic_flow import QuadraticFlow, _Walk
 from hjsolve.lowering import lower
@@ -40,6 +40,7 @@ QUADRATIC: dict[str, tuple[Any, ...]] = {
     "Mathieu": (LINE, "dot(x)**2/2", "(2 + cos(t))*x**2/2", {}),
     "a rope that shortens": (LINE, "exp(-t/4)*dot(x)**2/2", "(3 - t/8)*x**2/2 - x*sqrt(1 + t**2)", {}),
     "two, coupled in time": (PLANE, "(dot(x)**2 + dot(y)**2)/2", "x**2 + y**2 + x*y*sin(2*t) - y*exp(-t)", {}),
+    "springs that stiffen by inverse functions": (LINE, "dot(x)**2/2", "(3 + atan(t))*x**2/2 - x*atan(2*t)", {}),
 }
 
 
@@ -245,10 +246,13 @@ def test_the_command_line_takes_the_time(tmp_path: Any, capsys: pytest.CaptureFi
 def test_power_series_are_those_of_sympy() -> None:
     t = sp.Symbol("t", real=True)
     f = sp.exp(sp.sin(t)) * sp.sqrt(1 + t**2) / (2 + sp.tanh(t)) + sp.log(3 + t) * sp.cosh(t) - sp.tan(t / 3) ** 2
-    found = lower([f], [t]).run(
-        PowerSeriesArithmetic(Multi(120), 4), [PowerSeriesArithmetic(Multi(120), 4).variable(Multi(120).convert(0.5))]
-    )[0]
-    for k, value in enumerate(found):
+    program = SeriesProgram(FloatingPoint(Multi(120)))
+    inner = program.new()
+    entry = program.coefficients(lower([f], [t]).run(program, [inner])[0])
+    for k, x in enumerate((0.5, 1, 0, 0, 0)):
+        inner.append(Multi(120).convert(x))
+        program.extend(k)
+    for k, value in enumerate(map(entry, range(5))):
         expected = sp.N(sp.diff(f, t, k).subs(t, sp.Rational(1, 2)) / sp.factorial(k), 30)
         assert abs(mpf(value) - mpf(expected)) < 1e-25
 

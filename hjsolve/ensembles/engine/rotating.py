@@ -38,9 +38,11 @@ _FRACTION_OF_ROUGH = 0.5
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
 """The nodes needed grow nearly like the fraction of the radius that is missing, at least with this power; for stretched
 anomalies, and where nothing is known, as if the fraction were 0.4 at least. Twice as many as there are is too many.
-Half and twice of each change no bit of 24 000 orbits."""
+Tried size by size, orbits whose p² has singularities next to the turn, √(11/10 + cos φ), take 1.3 to 1.6 times as long;
+half and twice of each change no bit of 24 000 other orbits."""
 _CLOSE = 0.5
-"""A fraction of a coarse cover from which on a finer one may be enough."""
+"""A fraction of a coarse cover from which on a finer one may be enough: it was for each of 526 of 700 orbits of
+1/(11/10 − cos 2φ) + cos φ; orbits of entire p² ask for none."""
 _NODES = 1 << 20
 """Of all orbits that are looked at together."""
 

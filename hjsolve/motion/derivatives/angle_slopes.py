@@ -35,13 +35,16 @@ def angles_by(map_: ConstantsToState, means: MeanMatrix) -> dict[str, Bounded]:
         part = map_.parts[k] if k < len(map_.parts) else None
         if isinstance(part, RestVariations):
             continue
+        # θₖ = Σⱼ (∂J/∂c)⁻¹ⱼₖ Bⱼ (Greenwood (5-83)): both factors vary
         weights = means.inverse[:, k]
         row = weights @ dB
         for f in range(nf):
             row.value[f] = row.value[f] + weights.value[map_.free[f]]
             row.error[f] += weights.error[map_.free[f]]
+        # the inverse varies by −G⁻¹ G_b G⁻¹, worked out in ``inverse_by``
         slopes = stacked([means.inverse_by(b)[:, k] for b in range(map_.variables.count)], 1)
         row = row + (B @ slopes) @ Z
+        # angles grow with the time, whichever way the coordinate goes
         backward = isinstance(part, CycleVariations) and part.coordinate_motion.direction < 0
         result[name] = -row if backward else row
     return result
@@ -73,6 +76,7 @@ def _laws(map_: ConstantsToState, Z: Bounded) -> tuple[Bounded, Bounded]:
         _, here = waves.at(start, start)
         _, there = waves.at(begin, begin)
         B = B + here[:n, 0] - there[:n, 0]
+        # angle zero of a libration is at a turning point, whose motion adds nothing as p = 0; that of a rotation adds
         if part.coordinate_motion.rotates:
             slopes = part.slopes(begin, none, offset)
             moved = _zero_by(part, begin) @ Z - slopes.q_by[:, 0] @ Z
@@ -95,6 +99,7 @@ def _zero_by(part: Any, begin: NDArray[np.object_]) -> Bounded:
     barrier = place - c.pi * part.coordinate_motion.radian
     at = part.rule.at(barrier)
     moves: list[Mpf] = [c.mpf(0)] * len(part.scale)
+    # F_q = 0 there: a barrier, whose place moves by −F_qb/F_qq; else the angle is counted from a fixed place
     if abs(at.slope) <= abs(at.bend) * c.ldexp(1, -c.prec // 4):
         moves = [-by / at.bend for by in at.slope_by]
     half = c.pi * part.coordinate_motion.radian

@@ -70,6 +70,7 @@ class RestVariations:
             χ: phase gone through, √(−F_qq/2) τ where it oscillates, τ itself elsewhere.
         """
         c = self.context
+        # dx/dτ = y = p and dy/dτ = F_q/2 = −κ x, κ = −F_qq/2: next to the place of rest, to first order
         rate = abs(self.stiffness) ** 0.5
         if self.coordinate_motion.stable:
             cosine, sine = c.cos(χ), c.sin(χ)
@@ -83,6 +84,7 @@ class RestVariations:
     def means(self) -> Bounded:
         """Return J_b, shape (variables,)."""
         rate = self.stiffness**0.5
+        # a small libration has J = F_top/(2√κ), the area of an ellipse over 2π (Greenwood (5-83))
         return Bounded.exact(np.array([by / rate / 2 for by in self.at.by], dtype=object))
 
     def second_means(self) -> Bounded:
@@ -91,6 +93,7 @@ class RestVariations:
         A, n, count = -own[2] / 2, len(self.formulas.variables.constants), self.formulas.variables.count
         u, v = own[3] / 6 / (own[2] / 2), own[4] / 24 / (own[2] / 2)
         root = A**0.5
+        # F = −A x² (1 + ux + vx²) about the rest: J_jb = (1/2π) ∮ F_jb/(2F^½) − F_j F_b/(4F^(3/2)) dq by residues
         first, second = -3 * u / 2, 15 * u * u / 8 - 3 * v / 2  # of (1 + ux + vx²)^(−3/2)
         value = np.empty((n, count), dtype=object)
         for j in range(n):

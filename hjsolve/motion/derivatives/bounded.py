@@ -65,6 +65,7 @@ class Bounded:
 
     def __mul__(self, other: Bounded) -> Bounded:
         """Return products of elements."""
+        # δ(xy) = δx |y| + |x| δy: bounds are of first order
         return Bounded(self.value * other.value, self.error * other.size + self.size * other.error)
 
     def __matmul__(self, other: Bounded) -> Bounded:
@@ -99,6 +100,7 @@ def inverse(matrix: Bounded, context: Context) -> Bounded:
     Raises:
         NotConvergedError: it is singular.
     """
+    # an empty matrix has itself as inverse: every coordinate is ignorable
     n = len(matrix.value)
     if not n:
         return matrix
@@ -107,6 +109,7 @@ def inverse(matrix: Bounded, context: Context) -> Bounded:
     except ZeroDivisionError:
         raise NotConvergedError("the separated integrals are dependent: these derivatives do not exist") from None
     value = np.array([[found[i, j] for j in range(n)] for i in range(n)], dtype=object)
+    # |δ(G⁻¹)| ≤ |G⁻¹| |δG| |G⁻¹|, element by element, in doubles: a bound needs no more digits
     size = np.abs(value).astype(float)
     return Bounded(value, size @ matrix.error @ size)
 

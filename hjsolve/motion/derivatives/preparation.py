@@ -33,6 +33,7 @@ def finer(motion: Motion, more: int = MORE) -> SeparatedMotion:
         more: digits beyond those of the motion.
     """
     digits = motion.digits + more
+    # constants found from actions are numbers of as many digits as were asked: they are found again, finer
     if motion.given.get("actions") is not None and motion.again is not None:
         return motion.again(digits, {}).separated
     own = motion.separated
@@ -53,6 +54,7 @@ def prepared(motion: Motion, parameters: bool, more: int = MORE) -> ConstantsToS
     """
     refuse_kinks(motion.solution.system.kinks, "derivatives")
     source = finer(motion, more)
+    # all p are constant, and q̇ = ∂H/∂p with them: nothing is integrated
     if not source.solution.coordinates:
         return None
     variables = variables_of(source.solution, parameters=parameters)
@@ -83,11 +85,13 @@ def _stretched(
     Raises:
         InvalidInputError: with other parameters p² does not repeat itself.
     """
+    # an angle has its 2π: only the turn of a rotation along a line has a length that parameters change
     if not coordinate_motion.rotates or source.solution.system.coordinate(name).domain.kind == "angle":
         return [0] * variables.count
     q = source.solution.system.coordinate(name).symbol
     F = source.solution.momentum_squared[name]
     rates = [sp.diff(w.args[0], q) for w in F.atoms(TrigonometricFunction) if w.has(q)]
+    # a common period exists next to these parameters only if the ratio of wave numbers does not depend on them
     if any(not sp.cancel(rate / rates[0]).is_Rational for rate in rates):
         raise InvalidInputError(
             f"derivatives: the waves along {name} are commensurate for these values of the parameters only"

@@ -43,8 +43,10 @@ def started_at(motion: SeparatedMotion, angles: Mapping[str, sp.Expr]) -> Separa
     starts = []
     for k, name in enumerate(solution.coordinates):
         frequency = motion.frequencies.get(name)
+        # an angle grows with the time; Jacobi's rate of the coordinate may have the other sign
         direction = -1 if frequency is not None and float(frequency.value) * float(torus.rates[k]) < 0 else 1
         series = torus.oscillations[k]
+        # χₖ + Σᵢ Dₖᵢ(χᵢ) is ±θₖ more than where all angles are zero: θ is where the time would in Jacobi's equations
         zero = sum((oscillation_at(s, begin) for s, begin in zip(series, begins, strict=True)), begins[k])
         starts.append(zero + direction * θ[name])
     phases = [_in_first_turn(motion, k, χ) for k, χ in enumerate(_phases(replace(torus, starts=tuple(starts)), bits))]
@@ -58,6 +60,7 @@ def started_at(motion: SeparatedMotion, angles: Mapping[str, sp.Expr]) -> Separa
         coordinate = solution.system.coordinate(name)
         values[coordinate.symbol] = number(q, source=name)
         values[coordinate.momentum] = number(p, source=name)
+    # the separated equations hold for p with its shift; the start is told in the user's p
     for name in solution.coordinates:
         shift = solution.shift[name].subs(values)
         values[solution.system.coordinate(name).momentum] -= shift
@@ -73,6 +76,7 @@ def _phases(torus: TorusEquations, bits: int) -> list[Mpf]:
     """Return the phases at which the right sides of Jacobi's equations are those of the equations."""
     context, now = multiprecision(bits), np.zeros(1)
     χ, whole, _ = torus_phases(torus, (now, now))
+    # the time is zero: what is solved is in the starts alone
     refined, _ = on_torus(torus, χ, whole, [context.mpf(0)], bits)
     return [x[0] for x in refined]
 
@@ -86,6 +90,7 @@ def _in_first_turn(motion: SeparatedMotion, k: int, χ: Mpf) -> Mpf:
     context, cycle = χ.context, required(coordinate_motion.cycle)
     turn = 2 * context.pi
     q = cycle.place(np.array([χ], dtype=object))[0][0]
+    # (−π, π] is closed above, so that the half turn itself counts down: ceil(x − ½), not rint
     return χ - cycle.direction * turn * context.ceil(q / turn - context.mpf(1) / 2)
 
 
@@ -94,6 +99,7 @@ def _ignorable(
 ) -> sp.Expr:
     """Return an ignorable angle at t₀, in (−π, π]: θ and what the separated coordinates add to its mean growth."""
     j = constant_index(motion, name)
+    # the mean growth is in θ; what is left of ∂W/∂p_φ are the oscillations from the places of angle zero to the phases
     total = angle
     for i, (χ, begin) in enumerate(zip(phases, begins, strict=True)):
         series = oscillation(torus, i, j)
