@@ -171,6 +171,22 @@ class CompiledRegime:
             return False
         return all(holds_place(c, r, exact[symbol], exact) for c, r, symbol in placed)
 
+    def signs_hold(self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...]) -> Mask:
+        """Return where the constants have the signs and the special values of the regime.
+
+        Args:
+            table: symbol → its values.
+            shape: of the arrays.
+        """
+        import numpy as np
+
+        good, arrays = np.ones(shape, dtype=bool), [table[s] for s in self.symbols]
+        for test in self.tests:
+            good &= np.asarray(test(*arrays)) > 0
+        for test, size in self.equal:
+            good &= np.abs(test(*arrays)) <= _SPECIAL * size(*arrays)
+        return good
+
     def inside(
         self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...],
         placed: Sequence[tuple[MomentumCurve, RootInterval, sp.Symbol]], solved: Solved,
@@ -178,7 +194,7 @@ class CompiledRegime:
         """Return where motions are of the regime and places of the motions, or may be; and where that is not certain.
 
         Args:
-            table: symbol → its values.
+            table: symbol → its values, all with the signs of the regime.
             shape: of the arrays.
             placed: curves with symbols of places.
             solved: roots that were found for these arrays, and are kept there.
@@ -186,11 +202,6 @@ class CompiledRegime:
         import numpy as np
 
         good, unsure = np.ones(shape, dtype=bool), np.zeros(shape, dtype=bool)
-        arrays = [table[s] for s in self.symbols]
-        for test in self.tests:
-            good &= np.asarray(test(*arrays)) > 0
-        for test, size in self.equal:
-            good &= np.abs(test(*arrays)) <= _SPECIAL * size(*arrays)
         curves = [*(c for c, _ in self.curves), *(c for c, *_ in placed)]
         wanted = {id(c): self.for_arrays(c).at(table, shape, solved) for c in curves}
         places = [(c, r, self.place(c, symbol)) for c, r, symbol in placed]
@@ -288,6 +299,12 @@ class CompiledForm:
 
         table, solved = dict(zip(self.symbols, places, strict=True)), Solved()
         with np.errstate(all="ignore"):
+            signs = self.regime.signs_hold(table, (count,))
+            if not signs.all():  # roots and integrals cost a hundred times more than signs, and are asked of few
+                result, kept = np.full(count, np.nan), np.flatnonzero(signs)
+                if len(kept):
+                    result[kept] = self._block([a[kept] for a in places], len(kept))
+                return result
             good, unsure = self.regime.inside(table, (count,), self.placed, solved)
             named, doubtful = self._names(table, (count,), solved)
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
