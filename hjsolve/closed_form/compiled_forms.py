@@ -319,8 +319,11 @@ class CompiledForm:
 
         for k in np.flatnonzero(good & ~np.isfinite(result)):
             given = dict(zip(self.symbols, (mp.mpf(float(a[k])) for a in places), strict=True))
-            with mp.workdps(_DIGITS_BEYOND_DOUBLES):
-                value = self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
+            try:
+                with mp.workdps(_DIGITS_BEYOND_DOUBLES):
+                    value = self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
+            except ZeroDivisionError:  # a pole of the form itself, where doubles say inf or nan
+                continue
             result[k] = float(value) if mp.im(value) == 0 else np.nan
 
     def _names(

@@ -211,3 +211,11 @@ def test_zeros_of_the_slope_that_no_motion_meets_leave_arrays_to_doubles(name: s
             x = curve.x
             within = x - curve.substitution.place.subs(curve.coordinate.symbol, sp.Rational(1, 3))
             assert CurveForArrays(replace(curve, square=curve.square * within)).roots is None
+
+
+def test_a_pole_of_a_form_is_infinite_and_the_other_elements_have_their_numbers() -> None:
+    form = forms("harmonic-oscillator")[0]
+    (E,) = (c.symbol for c in form.solution.constants.values())
+    period = replace(form, periods={"x": 1 / (E - 1)}).lambdify("numpy")["periods.x"]
+    at = {n: 1.0 for n in period.names} | {"E": np.array([1.0, 2.0, -1.0])}
+    assert np.array_equal(period(**at), [np.inf, 1.0, np.nan], equal_nan=True)
