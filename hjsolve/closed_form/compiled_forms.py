@@ -26,8 +26,8 @@ from hjsolve.precision import for_the_user, mp, users_precision
 
 _SPECIAL = 1e-12
 """Of the terms, how far a constant may be off its special value: both are doubles. E = 0 is 0, in any unit."""
-_DIGITS_BEYOND_DOUBLES = 30
-"""Of what is not finite in doubles."""
+_DIGITS_BEYOND_DOUBLES = 30, 120, 480
+"""Of what is not finite in doubles, nor in fewer digits: roots may be 1e90 apart where E is nearly 0."""
 _BLOCK = 16384
 """Elements worked on together: coefficients and roots of so many polynomials stay in the processor's cache."""
 _Compiled = Callable[..., Any]
@@ -319,12 +319,17 @@ class CompiledForm:
 
         for k in np.flatnonzero(good & ~np.isfinite(result)):
             given = dict(zip(self.symbols, (mp.mpf(float(a[k])) for a in places), strict=True))
-            try:
-                with mp.workdps(_DIGITS_BEYOND_DOUBLES):
-                    value = self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
-            except ZeroDivisionError:  # a pole of the form itself, where doubles say inf or nan
-                continue
-            result[k] = float(value) if mp.im(value) == 0 else np.nan
+            value = next((v for d in _DIGITS_BEYOND_DOUBLES if mp.isfinite(v := self._at_digits(given, d))), None)
+            if value is not None:
+                result[k] = float(value) if mp.im(value) == 0 else np.nan
+
+    def _at_digits(self, given: Mapping[sp.Symbol, Mpf], digits: int) -> Mpf:
+        """Return the form in so many digits; infinite at a pole."""
+        try:
+            with mp.workdps(digits):
+                return self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
+        except ZeroDivisionError:
+            return mp.inf
 
     def _names(
         self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...], solved: Solved
