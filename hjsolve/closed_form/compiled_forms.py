@@ -26,8 +26,8 @@ from hjsolve.precision import for_the_user, mp, users_precision
 
 _SPECIAL = 1e-12
 """Of the terms, how far a constant may be off its special value: both are doubles. E = 0 is 0, in any unit."""
-_DIGITS_BEYOND_DOUBLES = 30
-"""Of what is not finite in doubles."""
+_DIGITS_BEYOND_DOUBLES = 30, 120, 480
+"""Of what is not finite in doubles, nor in fewer digits: roots may be 1e90 apart where E is nearly 0."""
 _BLOCK = 16384
 """Elements worked on together: coefficients and roots of so many polynomials stay in the processor's cache."""
 _Compiled = Callable[..., Any]
@@ -171,6 +171,22 @@ class CompiledRegime:
             return False
         return all(holds_place(c, r, exact[symbol], exact) for c, r, symbol in placed)
 
+    def signs_hold(self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...]) -> Mask:
+        """Return where the constants have the signs and the special values of the regime.
+
+        Args:
+            table: symbol → its values.
+            shape: of the arrays.
+        """
+        import numpy as np
+
+        good, arrays = np.ones(shape, dtype=bool), [table[s] for s in self.symbols]
+        for test in self.tests:
+            good &= np.asarray(test(*arrays)) > 0
+        for test, size in self.equal:
+            good &= np.abs(test(*arrays)) <= _SPECIAL * size(*arrays)
+        return good
+
     def inside(
         self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...],
         placed: Sequence[tuple[MomentumCurve, RootInterval, sp.Symbol]], solved: Solved,
@@ -178,7 +194,7 @@ class CompiledRegime:
         """Return where motions are of the regime and places of the motions, or may be; and where that is not certain.
 
         Args:
-            table: symbol → its values.
+            table: symbol → its values, all with the signs of the regime.
             shape: of the arrays.
             placed: curves with symbols of places.
             solved: roots that were found for these arrays, and are kept there.
@@ -186,11 +202,6 @@ class CompiledRegime:
         import numpy as np
 
         good, unsure = np.ones(shape, dtype=bool), np.zeros(shape, dtype=bool)
-        arrays = [table[s] for s in self.symbols]
-        for test in self.tests:
-            good &= np.asarray(test(*arrays)) > 0
-        for test, size in self.equal:
-            good &= np.abs(test(*arrays)) <= _SPECIAL * size(*arrays)
         curves = [*(c for c, _ in self.curves), *(c for c, *_ in placed)]
         wanted = {id(c): self.for_arrays(c).at(table, shape, solved) for c in curves}
         places = [(c, r, self.place(c, symbol)) for c, r, symbol in placed]
@@ -288,6 +299,12 @@ class CompiledForm:
 
         table, solved = dict(zip(self.symbols, places, strict=True)), Solved()
         with np.errstate(all="ignore"):
+            signs = self.regime.signs_hold(table, (count,))
+            if not signs.all():  # roots and integrals cost a hundred times more than signs, and are asked of few
+                result, kept = np.full(count, np.nan), np.flatnonzero(signs)
+                if len(kept):
+                    result[kept] = self._block([a[kept] for a in places], len(kept))
+                return result
             good, unsure = self.regime.inside(table, (count,), self.placed, solved)
             named, doubtful = self._names(table, (count,), solved)
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
@@ -302,9 +319,17 @@ class CompiledForm:
 
         for k in np.flatnonzero(good & ~np.isfinite(result)):
             given = dict(zip(self.symbols, (mp.mpf(float(a[k])) for a in places), strict=True))
-            with mp.workdps(_DIGITS_BEYOND_DOUBLES):
-                value = self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
-            result[k] = float(value) if mp.im(value) == 0 else np.nan
+            value = next((v for d in _DIGITS_BEYOND_DOUBLES if mp.isfinite(v := self._at_digits(given, d))), None)
+            if value is not None:
+                result[k] = float(value) if mp.im(value) == 0 else np.nan
+
+    def _at_digits(self, given: Mapping[sp.Symbol, Mpf], digits: int) -> Mpf:
+        """Return the form in so many digits; infinite at a pole."""
+        try:
+            with mp.workdps(digits):
+                return self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
+        except ZeroDivisionError:
+            return mp.inf
 
     def _names(
         self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...], solved: Solved

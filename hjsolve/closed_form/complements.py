@@ -1,13 +1,17 @@
 """Differences that lose digits in doubles, as quotients: 1 − x₃ where a root is next to 1, sums of complete integrals.
 
-With all roots of P real and named, c − x₃ = P(c)/(a (c − x₁)(c − x₂)), a the leading coefficient. Where P(c) is one
-term nothing is subtracted in it: of the spherical pendulum P(1) is p_φ², and x₃ is next to 1 where the pendulum nearly
-passes the vertical. Sums of complete integrals: ``complete_integrals.py``.
+With all roots of P named, c − x₃ = P(c)/(a (c − x₁)(c − x₂)), a the leading coefficient; of a complex pair α ± iβ the
+last two factors are (c − α)² + β². Where P(c) is one term nothing is subtracted in it: of the spherical pendulum P(1)
+is p_φ², and x₃ is next to 1 where the pendulum nearly passes the vertical.
+
+Of a root that is named and written in radicals, x₁ = √((u + √D)/v), 1 − x₁ is (v − u − √D)/(v (1 + x₁)), and v − u − √D
+is a quotient again: of cos θ₁ in Kerr's field ((v − u)² − D)/(v − u + √D), where (v − u)² − D is a product with p_φ².
+Sums of complete integrals: ``complete_integrals.py``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 
 import mpmath
@@ -17,8 +21,11 @@ from sympy.core.relational import Relational
 from hjsolve.closed_form.arcs import arcs_by_tangents, radicands_of
 from hjsolve.closed_form.common_factors import grouped
 from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
+from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.named_quantities import written_out
 from hjsolve.closed_form.pairs_by_division import deflated_pair, remaining_pair
 from hjsolve.closed_form.tidy import elliptic, longer_than, operations
+from hjsolve.precision import mp
 
 _LONGEST = 60
 """Operations of a sum that is looked at: a longer one may take sympy seconds."""
@@ -38,9 +45,12 @@ class ForDoubles:
 
     def __init__(self, where: Where, example: Mapping[sp.Symbol, mpmath.mpf], forms: Iterable[sp.Expr] = ()):
         self.where, self._integrals = where, CompleteIntegrals(where, example)
+        self._example = example
         self._roots = {s: value for s, value in example.items() if isinstance(where.get(s), tuple)}
+        self._radicals = {s: value for s, value in example.items() if isinstance(where.get(s), sp.Expr)}
         plain = [meaning for meaning in where.values() if not isinstance(meaning, tuple)]
         self._radicands = radicands_of([*forms, *plain])
+        self._complements = dict[sp.Symbol, sp.Expr | None]()
         self._known = dict[sp.Expr, sp.Expr]()  # definitions that several forms rest on are arranged once
 
     def form(self, expression: sp.Expr) -> sp.Expr:
@@ -57,7 +67,7 @@ class ForDoubles:
         made = self._integrals.arranged(expression)
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
         plain = arcs_by_tangents(made.xreplace(conditions), self.where, self._radicands)
-        plain = plain.xreplace(_gaps(plain, self.where, self._roots))
+        plain = plain.xreplace(self._gaps(plain) | self._gaps_of_radicals(plain))
         plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := _small(a)) is not a})
         return plain.xreplace({name: c for c, name in conditions.items()})
 
@@ -81,6 +91,61 @@ class ForDoubles:
                 waiting += made.free_symbols
         return found
 
+    def _gaps(self, expression: sp.Expr) -> dict[sp.Expr, sp.Expr]:
+        """Return the differences of numbers and roots of P that are such quotients."""
+        found, named, roots = dict[sp.Expr, sp.Expr](), roots_by_polynomial(self.where), self._roots
+        for gap in expression.atoms(sp.Add):
+            c, x = gap.as_coeff_Add()
+            sign, x = x.as_coeff_Mul()
+            meaning = self.where.get(x) if x.is_Symbol and c != 0 and sign in (1, -1) else None
+            if not isinstance(meaning, tuple) or x not in roots:
+                continue
+            P, c = meaning[0], -sign * c
+            others = [*{k: s for s, k in named[P].items() if k != meaning[1]}.values()]
+            value, rest = sp.factor(P.as_expr().subs(P.gen, c)), self._rest(P, [x, *others], c)
+            if value.is_Add or value == 0 or rest is None or not all(s in roots for s in others):
+                continue
+            side = sp.Integer(1 if roots[x] > c else -1)
+            # between c and x another root would be the one that is near
+            if any(abs(roots[s] - c) < abs(roots[x] - c) for s in others if (roots[s] - c) * side > 0):
+                continue
+            quotient = -sign * value / (P.LC() * rest * sp.Mul(*(c - s for s in others)))
+            beyond = [s for s in others if (roots[s] - c) * side < 0]
+            if not beyond:  # no root can come nearer to c
+                found[gap] = quotient
+                continue
+            nearest = min(beyond, key=lambda s: abs(roots[s] - c))
+            found[gap] = sp.Piecewise((quotient, side * (x - c) < side * (c - nearest)), (gap, True))
+        return found
+
+    def _rest(self, P: sp.Poly, real: Sequence[sp.Symbol], c: sp.Expr) -> sp.Expr | None:
+        """Return what P(c) by its leading coefficient is without real roots: 1, or the modulus of a pair's c − x."""
+        if len(real) == P.degree():
+            return sp.S.One
+        if len(real) != P.degree() - 2 or P.degree() > 4 or not P.free_symbols_in_domain <= self._example.keys():
+            return None
+        ((_, across),) = remaining_pair(P, real)
+        if mp.im(number_of(across, self._example)) != 0:  # real roots without names
+            return None
+        along, across = deflated_pair(P, real)
+        return (c - along) ** 2 + across**2
+
+    def _gaps_of_radicals(self, expression: sp.Expr) -> dict[sp.Expr, sp.Expr]:
+        """Return the differences of ±1 and a root written in radicals that lose fewer digits as quotients."""
+        found = dict[sp.Expr, sp.Expr]()
+        for gap in expression.atoms(sp.Add):
+            one, x = gap.as_coeff_Add()
+            sign, x = x.as_coeff_Mul()
+            if abs(one) != 1 or abs(sign) != 1 or x not in self._radicals or -one * sign * self._radicals[x] <= 0:
+                continue
+            if x not in self._complements:
+                self._complements[x] = _complement(written_out(self.where[x], self.where))
+            rest = self._complements[x]  # 1 − x²
+            if rest is not None:
+                # c (c − x) = (1 − x²)/(1 + c x) with c = ±1, the nearer to x: nothing cancels in 1 + c x
+                found[gap] = one * rest / (1 - one * sign * x)
+        return found
+
     def _part_of_pair(self, meaning: sp.Expr) -> sp.Expr | None:
         """Return the real or imaginary part of the pair that is left next to named real roots; None of another one."""
         for P, numbers in roots_by_polynomial(self.where).items():
@@ -92,32 +157,15 @@ class ForDoubles:
         return None
 
 
-def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mpf]) -> dict[sp.Expr, sp.Expr]:
-    """Return the differences in an expression that are such quotients."""
-    found, named = dict[sp.Expr, sp.Expr](), roots_by_polynomial(where)
-    for gap in expression.atoms(sp.Add):
-        c, x = gap.as_coeff_Add()
-        sign, x = x.as_coeff_Mul()
-        meaning = where.get(x) if x.is_Symbol and c != 0 and sign in (1, -1) else None
-        if not isinstance(meaning, tuple) or x not in roots:
-            continue
-        P, c = meaning[0], -sign * c
-        others = [*{k: s for s, k in named[P].items() if k != meaning[1]}.values()]
-        value = sp.factor(P.as_expr().subs(P.gen, c))
-        if value.is_Add or value == 0 or len(others) != P.degree() - 1 or not all(s in roots for s in others):
-            continue
-        side = sp.Integer(1 if roots[x] > c else -1)
-        # between c and x another root would be the one that is near
-        if any(abs(roots[s] - c) < abs(roots[x] - c) for s in others if (roots[s] - c) * side > 0):
-            continue
-        quotient = -sign * value / (P.LC() * sp.Mul(*(c - s for s in others)))
-        beyond = [s for s in others if (roots[s] - c) * side < 0]
-        if not beyond:  # no root can come nearer to c
-            found[gap] = quotient
-            continue
-        nearest = min(beyond, key=lambda s: abs(roots[s] - c))
-        found[gap] = sp.Piecewise((quotient, side * (x - c) < side * (c - nearest)), (gap, True))
-    return found
+def _complement(x: sp.Expr) -> sp.Expr | None:
+    """Return 1 − x² of x = √((u + √D)/v) without a difference of u and √D; None of another one."""
+    square = x**2
+    if longer_than(square, _LONGEST) or not any(_root_of_sum(t) for a in square.atoms(sp.Add) for t in a.args):
+        return None
+    top, bottom = sp.fraction(sp.together(1 - square))
+    top = sp.expand(top)
+    made = _small(top) if top.is_Add else top
+    return None if made is top else made / sp.factor(bottom)
 
 
 @lru_cache(maxsize=4096)  # forms of one regime, and regimes of one system, have most of their sums in common

@@ -28,6 +28,8 @@ from hjsolve.precision import mp, multiprecision
 
 _GUARD, _FLOAT_DIGITS = 20, 15
 """Digits beyond those asked, which a form may lose; digits up to which a result is a double."""
+_TIMES_THE_DIGITS = 1, 4, 16
+"""Of a number that is infinite with fewer digits: those of roots that are 1e90 apart, where E is nearly 0."""
 _DIGITS_OF_EXAMPLE = 30
 """Of what is only put in order."""
 
@@ -49,15 +51,19 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
     refuse_places(form, exact)
-    # roots and constants to twice the digits: what differs between both evaluations is lost by the form alone
-    working = 2 * (digits + _GUARD)
-    table = many_digits(exact, working) | root_values(form, exact, working, expression.free_symbols)
-    with mp.workdps(digits + _GUARD):
-        near = number_of(expression, table)
+    for times in _TIMES_THE_DIGITS:
+        # roots and constants to twice the digits: what differs between both evaluations is lost by the form alone
+        working = 2 * times * (digits + _GUARD)
+        table = many_digits(exact, working) | root_values(form, exact, working, expression.free_symbols)
+        with mp.workdps(working // 2):
+            near = number_of(expression, table)
+        with mp.workdps(working):
+            far = number_of(expression, table)
+            if mp.isfinite(far) and mp.isfinite(near):
+                break
+    else:
+        raise InvalidInputError(f"{name} is infinite there")
     with mp.workdps(working):
-        far = number_of(expression, table)
-        if not mp.isfinite(far) or not mp.isfinite(near):
-            raise InvalidInputError(f"{name} is infinite there")
         # √P² of a place that is never reached is imaginary; its rounding is not
         if abs(mp.im(far)) > abs(far) * mp.mpf(10) ** -digits:
             raise InvalidInputError(f"{name} has no real value there: the place is not one the motion reaches")

@@ -211,3 +211,30 @@ def test_zeros_of_the_slope_that_no_motion_meets_leave_arrays_to_doubles(name: s
             x = curve.x
             within = x - curve.substitution.place.subs(curve.coordinate.symbol, sp.Rational(1, 3))
             assert CurveForArrays(replace(curve, square=curve.square * within)).roots is None
+
+
+def test_a_pole_of_a_form_is_infinite_and_the_other_elements_have_their_numbers() -> None:
+    form = forms("harmonic-oscillator")[0]
+    (E,) = (c.symbol for c in form.solution.constants.values())
+    period = replace(form, periods={"x": 1 / (E - 1)}).lambdify("numpy")["periods.x"]
+    at = dict.fromkeys(period.names, 1.0) | {"E": np.array([1.0, 2.0, -1.0])}
+    assert np.array_equal(period(**at), [np.inf, 1.0, np.nan], equal_nan=True)
+
+
+@pytest.mark.nightly
+def test_forms_have_their_numbers_where_roots_are_far_apart() -> None:
+    # E = −1e-76: the outer root is 1e76 times the others, and a difference of roots had no digit of 45
+    at = {
+        "m": 0.998847229075701, "a": 1.0023676567679296, "k1": 0.9858151087387964, "k2": 0.5068028713317848,
+        "xi": 139.00477261855147, "eta": 1.7295537715702511, "E": -1.0431181369752019e-76, "t_0": 0.0,
+        "alpha_2": 2.5478107639621284, "p_phi": -0.8793525826417335, "xi_0": 49.426129895204795,
+        "eta_0": 0.6199732568668536,
+    }  # fmt: skip
+    exact = {n: sp.Rational(v) for n, v in at.items()}
+    (form,) = (f for f in forms("two-centres-space") if not f.regime.special and f.regime.holds(
+        {s: exact[s.name] for s in f.regime.example}))  # fmt: skip
+    law = form.lambdify("numpy")["time_law"]
+    truth = 4.894102680653528e89  # the quadrature between both places, by Gauss's rule
+    assert law(**{n: at[n] for n in law.names}) == pytest.approx(truth, rel=1e-12)
+    found = form.evaluate("time_law", {n: str(exact[n]) for n in law.names}, 25)
+    assert float(found.value) == pytest.approx(truth, rel=1e-12)
