@@ -175,7 +175,8 @@ def _over_barrier_tops(
     """
     sums, modes, programs = known
     over = np.empty(0, dtype=np.int64)
-    for finder in (barrier_tops, singular_pairs):
+    # a pair of singularities leaves rough integrals finite: no other nodes are wanted
+    for finder in (barrier_tops,) if modes.approximate else (barrier_tops, singular_pairs):
         left = np.flatnonzero(~sums.good & (motions.width > 0))
         if not len(left):
             break
@@ -222,8 +223,6 @@ def _by_any_nodes(
     """Integrate motions between turning points with all maps of nodes in turn; return which pass over a crest, too."""
     below, above = one.programs.views
     sums = _resolved(one, motions, motions, modes, (below, above))
-    if modes.approximate:  # other nodes show what is finite already better, and F < 0 at a node is a barrier
-        return sums, np.empty(0, dtype=np.int64)
     again = np.flatnonzero(~sums.good & (motions.width > 0) & ~ends.even)
     if len(again):  # a zero and a pole beyond an end may hide each other: both ends as if they were like the worse one
         first, fraction = ends.take(again).maps(motions.width[again], alike=True)
