@@ -12,14 +12,12 @@ import numpy as np
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.machine.writer import MachineCode
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.arithmetic.root_finding import bisected
+from hjsolve.arithmetic.root_finding import bracketed_roots
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset
 from hjsolve.ensembles.engine.programs import sides
 
 _TRIALS = np.linspace(0.0, 1.0, 65)
 """Where a barrier is looked for between the start and a turning point, as fractions of the distance."""
-_BRACKET_HALVINGS = 60
-"""Of a bracket of a turning point, until it is two neighbouring doubles."""
 
 
 def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, Reals]:
@@ -38,7 +36,7 @@ def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, R
         start = offset(sides(one.coordinate)[upper], one.q)
         trials = start[:, None] + (places[upper] - start)[:, None] * _TRIALS
         with np.errstate(all="ignore"):
-            seen = _squares(one, view.slopes, trials.ravel(), np.repeat(everything, len(_TRIALS)))
+            seen, _ = _squares(one, view.slopes, trials.ravel(), np.repeat(everything, len(_TRIALS)))
             # not at the ends: start and turning point have F ≥ 0 but for rounding
             negative = seen.reshape(trials.shape)[:, 1:-1] < 0
             behind = np.flatnonzero(negative.any(axis=1))
@@ -46,15 +44,18 @@ def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, R
                 continue
             # the first one from the start: what lies beyond it is another well
             first = np.argmax(negative[behind], axis=1) + 1
-            bracket = trials[behind, first - 1], trials[behind, first]
-            inner, _ = bisected(
-                lambda x: ~(_squares(one, view.slopes, x, behind) < 0),  # noqa: B023 (called at once)
-                *bracket, _BRACKET_HALVINGS,
-            )  # fmt: skip
-        places[upper, behind], moved[behind] = inner, True
+            inner, width = trials[behind, first - 1], trials[behind, first] - trials[behind, first - 1]
+
+            def falls(t: Reals, k: Integers = behind, a: Reals = inner, w: Reals = width) -> tuple[Reals, Reals]:
+                F, slope = _squares(one, view.slopes, a + w * t, k)  # noqa: B023 (called at once)
+                return -F, -w * slope
+
+            t, _, _ = bracketed_roots(falls, np.full(len(behind), 0.5), np.zeros(len(behind)), np.ones(len(behind)))
+        places[upper, behind], moved[behind] = inner + width * t, True
     return np.flatnonzero(moved), places[:, moved]
 
 
-def _squares(one: CoordinateOfOrbits, code: MachineCode, x: Reals, orbits: Integers) -> Reals:
-    """Return F at offsets of some of the orbits."""
-    return run_rows(code, one.parameters, np.stack([x, *one.constants[:, orbits]]))[0]
+def _squares(one: CoordinateOfOrbits, code: MachineCode, x: Reals, orbits: Integers) -> tuple[Reals, Reals]:
+    """Return F and its slope at offsets of some of the orbits."""
+    F, slope, *_ = run_rows(code, one.parameters, np.stack([x, *one.constants[:, orbits]]))
+    return F, slope
