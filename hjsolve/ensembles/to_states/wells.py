@@ -122,24 +122,23 @@ class Landscape(NamedTuple):
         high = np.where(around, np.fmin(limit, ends[1] + room), high)
         # maxima by the slope: p² itself shows no wells that are below the rounding of its constants
         rises = (formula.sign * slope).reshape(count, size) > 0
-        middles = 0.5 * (grid[:-1] + grid[1:])
+        row, column = np.nonzero(rises[:, :-1] & ~rises[:, 1:])
+        middle, floor, ceiling = 0.5 * (grid[column] + grid[column + 1]), low[row], high[row]
         # the last sample below the well, and the first above it: its own maximum may lie between two samples
         first, last = np.searchsorted(grid, low, side="right") - 1, np.searchsorted(grid, high)
         first, last = np.maximum(before, first), np.minimum(after, last)
-        outside = (index[1:] <= first[:, None]) | (index[:-1] >= last[:, None])
-        outside &= rises[:, :-1] & ~rises[:, 1:]
-        others = np.full((_WELLS, count), np.nan)
+        outside = (column + 1 <= first[row]) | (column >= last[row])
         if coordinate.periodic:  # each maximum once, the one next above the lower end of the well
-            turned = middles + 2 * np.pi * np.ceil((low[:, None] - middles) / (2 * np.pi))
-            outside &= (turned > high[:, None]) & (middles >= 0)
+            turned = middle + 2 * np.pi * np.ceil((floor - middle) / (2 * np.pi))
+            outside &= (turned > ceiling) & (middle >= 0)
         elif coordinate.even and not every:  # seen from a well about 0 the others are alike in pairs
-            outside &= (middles > 0) | ~((low < 0) & (high > 0))[:, None]
-        rank = np.cumsum(outside, axis=1)
-        for j in range(_WELLS):
-            own = outside & (rank == j + 1)
-            others[j] = np.where(own.any(axis=1), middles[own.argmax(axis=1)], np.nan)
-        there = F.reshape(count, size)
-        beside = (outside & ((there[:, :-1] > 0) | (there[:, 1:] > 0))).any(axis=1)
+            outside &= (middle > 0) | ~((floor < 0) & (ceiling > 0))
+        row, column, middle = row[outside], column[outside], middle[outside]
+        rank = np.arange(len(row)) - np.searchsorted(row, row)  # among those of the same torus
+        others, kept = np.full((_WELLS, count), np.nan), rank < _WELLS
+        others[rank[kept], row[kept]] = middle[kept]
+        here, beside = F.reshape(count, size), np.zeros(count, dtype=bool)
+        beside[row[(here[row, column] > 0) | (here[row, column + 1] > 0)]] = True
         return Wells(low, high, others, beside)
 
 
