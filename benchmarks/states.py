@@ -21,6 +21,8 @@ from hjsolve.motion.initial_data import parameter_values
 Columns = dict[str, Any]
 _IN_THE_GAP = 4096
 """Orbits about two centres of which those that no torus has are counted."""
+_GEODESICS = 16_384
+"""Geodesics, at most: every one may rotate along either coordinate, and both are searched for."""
 _DRAWS = 6
 """How often q and p are moved by a rounding."""
 
@@ -52,7 +54,19 @@ def about_two_centres(count: int) -> tuple[Columns, Columns, Columns]:
     dice, size = np.random.default_rng(5), 3 * count
     q = {"xi": np.exp(dice.uniform(-3, 1.2, size)), "eta": dice.uniform(0.1, 3, size), "phi": dice.uniform(-3, 3, size)}
     p = {"xi": dice.normal(0, 1, size), "eta": dice.normal(0, 1, size), "phi": np.exp(dice.uniform(-3, 1, size))}
-    forth = hjsolve.ensemble("two-centres-space", q=q, p=p, want={"actions", "angles"}, fallback=False)
+    return _of_motions("two-centres-space", q, p, count)
+
+
+def on_an_ellipsoid(count: int) -> tuple[Columns, Columns, Columns]:
+    """Return actions, angles and places of random geodesics on a triaxial ellipsoid."""
+    dice = np.random.default_rng(5)
+    names = [c.name for c in hjsolve.solve("triaxial-geodesics").system.coordinates]
+    q, p = ({name: draw(count) for name in names} for draw in (lambda n: dice.uniform(-3, 3, n), dice.standard_normal))
+    return _of_motions("triaxial-geodesics", q, p, count)
+
+
+def _of_motions(name: str, q: Columns, p: Columns, count: int) -> tuple[Columns, Columns, Columns]:
+    forth = hjsolve.ensemble(name, q=q, p=p, want={"actions", "angles"}, fallback=False)
     known = np.flatnonzero(forth.codes == 0)[:count]
     actions, angles, places = ({c: np.array(x)[known] for c, x in g.items()} for g in (forth.actions, forth.angles, q))
     return actions, angles, places
@@ -143,6 +157,8 @@ def main() -> None:
         print(row(name, hjsolve.solve(name), *drawn(name, count)), flush=True)
     told = about_two_centres(count)
     print(row("two-centres-space, q told", hjsolve.solve("two-centres-space"), *told), flush=True)
+    several = on_an_ellipsoid(min(count, _GEODESICS))
+    print(row("triaxial-geodesics, q told", hjsolve.solve("triaxial-geodesics"), *several), flush=True)
     solution, (actions, angles) = hjsolve.solve("two-centres-space"), drawn("two-centres-space", _IN_THE_GAP)
     states = hjsolve.ensemble(solution, actions=actions, angles=angles, want={"state"}, fallback=False)
     left = np.flatnonzero(states.status == "not_converged")
