@@ -88,6 +88,7 @@ def _proved(coefficients: Sequence[Pair], errors: Sequence[Reals]) -> RealRoots:
     moved = moved - np.max(np.where(high == 0, -(2**30), np.frexp(high)[1] + moved), axis=0)
     high, low, off = np.ldexp(high, moved), np.ldexp(low, moved), np.ldexp(off, moved)
     known = np.isfinite(high).all(axis=0) & np.isfinite(off).all(axis=0) & (abs(high[0]) > off[0])
+    known &= np.isfinite(high / high[0]).all(axis=0)  # the sum of the roots, too, is a double
     unit = np.where(np.arange(degree + 1) == 0, 1.0, 0.0)[:, None]
     unit[-1] = -1.0  # any polynomial with simple roots, where there is none
     P = _Polynomials(np.where(known, high, unit), np.where(known, low, 0.0), np.where(known, off, 0.0))

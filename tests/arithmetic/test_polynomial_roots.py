@@ -171,3 +171,10 @@ def test_a_double_root_within_the_errors_is_not_told_apart() -> None:
     columns = [np.array([c]) for c in moved]
     assert real_roots([Pair(c, 0 * c) for c in columns], [np.array([o]) for o in off]).unsure.all()
     assert not real_roots([Pair(c, 0 * c) for c in columns], [np.array([0.0])] * 4).unsure.any()
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 4])
+def test_a_root_beyond_the_doubles_is_not_proved_and_spoils_no_other_polynomial(degree: int) -> None:
+    found = roots_of_doubles([[1e-320, *degree * [1.0]], from_roots(1.0, [*range(1, degree + 1)])])
+    assert found.unsure.tolist() == [True, False]
+    np.testing.assert_array_equal(found.roots[:, 1], range(1, degree + 1))
