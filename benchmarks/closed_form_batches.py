@@ -73,8 +73,10 @@ def forms_of(solution: Solution) -> list[RegimeForms]:
     return [form for form in closed_forms(solution) if form.regime.special.items() <= zero.items()]
 
 
-def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, seed: int, seconds: float) -> list[Met]:
-    """Every form of a solution at random motions of each regime.
+def campaign(
+    solution: Solution, forms: Sequence[RegimeForms], motions: int, seed: int, seconds: float
+) -> Iterator[Met]:
+    """Yield every regime that was met, as soon as it has its motions, with its forms compared at them.
 
     Args:
         solution: what is solved.
@@ -108,8 +110,10 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
         for one, first, last in zip(chosen, ends, ends[1:], strict=False):
             there, columns = ({n: v[first:last] for n, v in part.items()} for part in followed)
             _compared(one.own, one.turn, there, columns, quadrature, dice)
+            if one.own.motions >= motions:  # with its last motions: no more are chosen
+                yield one.own
         idle = 0 if sum(own.motions for own in met) > known else idle + 1
-    return met
+    yield from (own for own in met if 0 < own.motions < motions)
 
 
 @dataclass
@@ -479,9 +483,7 @@ def main(arguments: Sequence[str]) -> None:
         print(entry, flush=True)
         solution = hjsolve.solve(entry)
         for own in campaign(solution, forms_of(solution), options.motions, options.seed, options.seconds):
-            if not own.motions:
-                continue
-            print(line(own), flush=True)
+            print(f"{line(own)}  [{time.process_time() - begin:.0f} s]")
             if options.each:
                 print(f"        {spread(own)}")
             for row in own.rows.values():
@@ -490,6 +492,7 @@ def main(arguments: Sequence[str]) -> None:
                     print(f"        {row.name}: {words}")
                 for fault in row.faults[:2]:
                     print(f"      {fault}")
+            sys.stdout.flush()
         print(f"    {time.process_time() - begin:.0f} s", flush=True)
 
 

@@ -34,6 +34,8 @@ _SETTLED = 0.75 * EPS
 """A correction of a real root by its size, below which it is the rounding of the root, half a unit at most."""
 _FORMULAS = 1e-3
 """The distance of two roots by their size, above which Cardano's formula has more than half of their digits."""
+_SPREAD = 1e-4
+"""The least root by the greatest, below which it has fewer: two small ones are nearly double next to the greatest."""
 _ALONE = 1e-3
 """An imaginary part below this part of the distance to the next root is none: a conjugate would be nearer than that."""
 _PAIRED = 0.125
@@ -86,6 +88,7 @@ def _proved(coefficients: Sequence[Pair], errors: Sequence[Reals]) -> RealRoots:
     moved = moved - np.max(np.where(high == 0, -(2**30), np.frexp(high)[1] + moved), axis=0)
     high, low, off = np.ldexp(high, moved), np.ldexp(low, moved), np.ldexp(off, moved)
     known = np.isfinite(high).all(axis=0) & np.isfinite(off).all(axis=0) & (abs(high[0]) > off[0])
+    known &= np.isfinite(high / high[0]).all(axis=0)  # the sum of the roots, too, is a double
     unit = np.where(np.arange(degree + 1) == 0, 1.0, 0.0)[:, None]
     unit[-1] = -1.0  # any polynomial with simple roots, where there is none
     P = _Polynomials(np.where(known, high, unit), np.where(known, low, 0.0), np.where(known, off, 0.0))
@@ -167,17 +170,35 @@ def _starts(P: _Polynomials) -> Complexes:
     degree, monic = len(P.high) - 1, P.high[1:] / P.high[0]
     z = _quadratic(*monic) if degree == 2 else _cubic(*monic) if degree == 3 else np.full(monic.shape, 0j)
     hard = ~(abs(_differences(z, np.inf)).min(axis=1) > _FORMULAS * abs(z)).all(axis=0) if degree > 2 else degree < 2
+    if degree > 2:
+        hard |= abs(z).min(axis=0) < _SPREAD * abs(z).max(axis=0)
     if np.any(hard):
         some = np.flatnonzero(np.broadcast_to(hard, monic.shape[1:]))
-        companion = np.zeros((len(some), degree, degree))
-        companion[:, range(1, degree), range(degree - 1)] = 1.0
-        companion[:, 0] = -monic[:, some].T
-        z[:, some] = np.linalg.eigvals(companion).T
+        z[:, some] = _eigenvalues(monic[:, some])
     zero = (P.high[-1] == 0) & (P.off[-1] == 0)  # P(0) = 0: corrections of relative size would never settle there
     z[np.argmin(abs(z), axis=0)[zero], np.flatnonzero(zero)] = 0.0
     for one in range(1, len(z)):  # starts that coincide would divide by zero
         for other in range(one):
             z[one] = np.where(z[one] == z[other], z[one] * (1 + 1e-9 * one) + 1e-12 * one, z[one])
+    return z
+
+
+def _eigenvalues(monic: Reals) -> Complexes:
+    """Return the roots by companion matrices: of 1/x where one root is much greater than the others, which it hides."""
+    degree = len(monic)
+    inverse = np.concatenate([monic[-2::-1], np.ones_like(monic[:1])]) / np.where(monic[-1] == 0, 1.0, monic[-1])
+    powers = 1 / np.arange(1, degree + 1)[:, None]
+    far, near = ((abs(c) ** powers).max(axis=0) for c in (monic, inverse))  # of the greatest, and of 1/the least
+    turned = (far > near) & (monic[-1] != 0) & np.isfinite(inverse).all(axis=0)
+    companion = np.zeros((monic.shape[1], degree, degree))
+    companion[:, range(1, degree), range(degree - 1)] = 1.0
+    companion[:, 0] = -np.where(turned, inverse, monic).T
+    z = np.linalg.eigvals(companion).T.astype(complex)
+    column, least = np.flatnonzero(turned), np.argmin(abs(z), axis=0)[turned]
+    z[least, column] = 1.0
+    z[:, column] = 1 / z[:, column]
+    z[least, column] = 0.0  # the greatest, by the sum of all: its inverse has lost its digits
+    z[least, column] = -monic[0, column] - z[:, column].sum(axis=0)
     return z
 
 

@@ -280,18 +280,7 @@ def _function(function: type[sp.Function]) -> Rule:
     """Return the function of mpmath's numbers."""
     table = of_kind(own_modules()[0], dict)
     name = function.__name__
-    if name == "elliptic_pi":
-        return _third_kind
     if name in table:
         return table[name]
     arguments = sp.symbols(f"a:{1 if not function.nargs else max(function.nargs)}")
     return sp.lambdify(arguments, function(*arguments), modules=own_modules())
-
-
-def _third_kind(n: mpmath.mpf, *rest: mpmath.mpf) -> mpmath.mpf:
-    """Π(n; φ|m) or Π(n|m); nan beyond the pole and of complex arguments, where mpmath integrates numerically."""
-    if any(isinstance(x, mp.mpc) for x in (n, *rest)):
-        return mp.nan
-    # beyond the pole, 1 − n sin² φ ≤ 0, it is a principal value (DLMF 19.2.7), which mpmath does not have
-    sine = mp.sin(rest[0]) if len(rest) == 2 else mp.mpf(1)
-    return mp.ellippi(n, *rest) if n * sine**2 < 1 else mp.nan

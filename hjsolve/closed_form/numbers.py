@@ -30,6 +30,8 @@ _GUARD, _FLOAT_DIGITS = 20, 15
 """Digits beyond those asked, which a form may lose; digits up to which a result is a double."""
 _TIMES_THE_DIGITS = 1, 4, 16
 """Of a number that is infinite with fewer digits: those of roots that are 1e90 apart, where E is nearly 0."""
+_TIMES_THE_DIGITS_OF_ROOTS = 2, 4, 8, 16
+"""Of roots written in radicals, until half of the digits that are asked stay the same: E of 1e-300 is of doubles."""
 _DIGITS_OF_EXAMPLE = 30
 """Of what is only put in order."""
 
@@ -179,8 +181,25 @@ def root_values(
         digits: to which roots are found.
         wanted: symbols whose values, and those of what they rest on, are enough; None for all.
     """
-    known = many_digits(exact, digits)
     where = needed_names(form.where if wanted is None else wanted, form.where)[0]
+    found = _root_values(where, exact, digits)
+    written = [s for s in found if not isinstance(where[s], tuple)]
+    for times in _TIMES_THE_DIGITS_OF_ROOTS:
+        if not written:
+            break
+        # −b + √(b² + 4Ea) loses as many digits as E has zeros, and what is left of it looks like a number
+        coarse, found = found, _root_values(where, exact, times * digits)
+        with mp.workdps(digits):
+            off = mp.mpf(10) ** (-digits // 2)
+            if all(found[s] != 0 and abs(found[s] - coarse[s]) <= off * abs(found[s]) for s in written):
+                break
+    return found
+
+
+def _root_values(
+    where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]], exact: Mapping[sp.Symbol, sp.Expr], digits: int
+) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
+    known = many_digits(exact, digits)
     with mp.workdps(digits):
         for symbol, meaning in where.items():
             rests_on = sp.Tuple(*meaning[0].all_coeffs()) if isinstance(meaning, tuple) else meaning

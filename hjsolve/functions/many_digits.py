@@ -183,6 +183,20 @@ def legendre_e(*arguments: mpmath.mpf) -> mpmath.mpf:
     return 2 * turns * legendre_e(m) + rest if turns else rest
 
 
+@for_any_context
+def legendre_pi(*arguments: mpmath.mpf) -> mpmath.mpf:
+    """Π(n; φ|m) or Π(n|m); nan beyond the pole and of complex arguments, where mpmath integrates numerically.
+
+    In hundreds of digits that takes minutes, and a case of a form that is not taken may have such arguments.
+    """
+    n, *rest = (mp.re(x) if mp.im(x) == 0 else mp.nan for x in arguments)
+    if any(mp.isnan(x) for x in (n, *rest)):
+        return mp.nan
+    # beyond the pole, 1 − n sin² φ ≤ 0, it is a principal value (DLMF 19.2.7), which mpmath does not have
+    sine = mp.sin(rest[0]) if len(rest) == 2 else mp.mpf(1)
+    return mp.ellippi(n, *rest) if n * sine**2 < 1 else mp.nan
+
+
 def _refuse_negative(*arguments: mpmath.mpf) -> None:
     if any(mp.im(argument) == 0 and mp.re(argument) < 0 for argument in arguments):
         raise ValueError("an argument on the negative axis")

@@ -9,7 +9,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.functions.complex_pole import CarlsonRCIm, CarlsonRCRe, CarlsonRJIm, CarlsonRJRe
 from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon, JacobiSN
-from hjsolve.functions.many_digits import legendre_e
+from hjsolve.functions.many_digits import legendre_e, legendre_pi
 from hjsolve.functions.printing import DOUBLES, Printable
 from hjsolve.precision import NUMBERS, for_any_context, mp
 
@@ -51,8 +51,11 @@ def modules(backend: str) -> list[dict[str, Callable[..., object]] | str]:
 
 
 def own_modules() -> list[dict[str, Callable[..., object]] | str]:
-    """Return the table for ``sympy.lambdify`` of functions of ``precision.mp`` numbers, elliptic ones among them."""
-    return [NUMBERS | _many_digits(), "mpmath"]
+    """Return the table for ``sympy.lambdify`` of functions of ``precision.mp`` numbers, elliptic ones among them.
+
+    Π is that of real forms: of complex arguments, which users may have, mpmath's takes minutes.
+    """
+    return [NUMBERS | _many_digits() | {"elliptic_pi": legendre_pi}, "mpmath"]
 
 
 def _many_digits() -> dict[str, Callable[..., object]]:

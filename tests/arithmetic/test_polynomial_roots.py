@@ -109,6 +109,27 @@ def test_roots_of_very_different_sizes_are_proved() -> None:
     np.testing.assert_allclose(found.roots.T, np.sort(roots, axis=1), rtol=1e-9, atol=0)
 
 
+@pytest.mark.parametrize("decades", [-76, -30, -12, -8, -5, 5, 8, 10, 12, 15, 18, 30, 76])
+@pytest.mark.parametrize("degree", [3, 4, 5])
+def test_roots_of_one_size_next_to_one_of_another_size_are_proved(degree: int, decades: int) -> None:
+    # cosh ξ about two centres with E → 0: turning points at 2 and 1e10
+    draw = np.random.default_rng([degree, decades + 100])
+    truth = 10 ** draw.uniform(-0.5, 0.5, (200, degree))
+    truth[:, 0] *= 10.0**decades
+    truth *= draw.choice([-1, 1], truth.shape)
+    made = [from_roots(-2.0, [complex(r) for r in roots]) for roots in truth]
+    found = roots_of_doubles(made)
+    assert not found.unsure.any()
+    assert (found.errors <= 2 * 2**-52 * abs(found.roots)).all()
+    for coefficients, roots, errors in zip(made[:20], found.roots.T, found.errors.T, strict=False):
+        with mpmath.workdps(400):  # a sign change of P about each
+            for root, off in zip(roots, errors, strict=True):
+                ends = [
+                    mpmath.polyval(coefficients, mpmath.mpf(float(root)) + s * mpmath.mpf(float(off))) for s in (-1, 1)
+                ]
+                assert ends[0] * ends[1] <= 0
+
+
 @pytest.mark.parametrize("degree", [2, 3, 4])
 def test_double_roots_and_no_polynomials_are_not_proved(degree: int) -> None:
     double = from_roots(2.0, [1.5, 1.5, -0.25, 4][:degree])  # no coefficient is rounded
@@ -150,3 +171,10 @@ def test_a_double_root_within_the_errors_is_not_told_apart() -> None:
     columns = [np.array([c]) for c in moved]
     assert real_roots([Pair(c, 0 * c) for c in columns], [np.array([o]) for o in off]).unsure.all()
     assert not real_roots([Pair(c, 0 * c) for c in columns], [np.array([0.0])] * 4).unsure.any()
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 4])
+def test_a_root_beyond_the_doubles_is_not_proved_and_spoils_no_other_polynomial(degree: int) -> None:
+    found = roots_of_doubles([[1e-320, *degree * [1.0]], from_roots(1.0, [*range(1, degree + 1)])])
+    assert found.unsure.tolist() == [True, False]
+    np.testing.assert_array_equal(found.roots[:, 1], range(1, degree + 1))

@@ -12,8 +12,10 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
+from hjsolve.closed_form.derive import form_of_sample
 from hjsolve.closed_form.doubles import CurveForArrays
 from hjsolve.closed_form.form_context import context_of
+from hjsolve.closed_form.sampling import Sample
 from tests.support.entries import forms, solution
 
 ENTRIES = ["pendulum", "double-well", "spherical-pendulum", "bead-on-turning-wire", "cone", "ladder"]
@@ -238,3 +240,29 @@ def test_forms_have_their_numbers_where_roots_are_far_apart() -> None:
     assert law(**{n: at[n] for n in law.names}) == pytest.approx(truth, rel=1e-12)
     found = form.evaluate("time_law", {n: str(exact[n]) for n in law.names}, 25)
     assert float(found.value) == pytest.approx(truth, rel=1e-12)
+
+
+@pytest.mark.parametrize("E", [-1e-5, -2.4986926028820027e-91, -3.768477636333927e-119])
+def test_roots_in_radicals_keep_their_digits_next_to_a_parabola(E: float) -> None:
+    # (−b + √(b² + 4Ec))/2E: of 119 zeros of E, 90 digits left a number that was wrong, and of a narrow claim
+    at = {"m": 0.9589998696588825, "a": 1.0805018538174, "k1": 1.1684544880057572, "k2": 0.5278665060064195,
+          "alpha_2": 377.4024453818466}  # fmt: skip
+    own = hjsolve.solve("two-centres-plane")
+    context = context_of(own)
+    symbols = {s.name: s for s in (*(p.symbol for p in own.system.parameters),
+                                   *(c.symbol for c in own.constants.values()))}  # fmt: skip
+    values = {symbols[n]: sp.Rational(v) for n, v in {**at, "E": -1e-5}.items()}
+    form = form_of_sample(context, context.curves, {}, Sample(values, {"xi": sp.Integer(8), "eta": sp.S.Half}))
+    assert form is not None
+    name = "turning_points.xi.lower"
+    with mpmath.workdps(500):
+        m, a, k1, k2, α = (mpmath.mpf(v) for v in at.values())
+        b, c = m * a * (k1 + k2), -(m * a**2 * mpmath.mpf(E) + α)  # E m a² x² + b x + c = 0, x = cosh ξ
+        truth = mpmath.acosh(2 * c / (-b - mpmath.sqrt(b**2 - 4 * m * a**2 * mpmath.mpf(E) * c)))
+    given = {**at, "E": E}
+    function = form.lambdify("numpy")[name]
+    assert function(**{n: given[n] for n in function.names}) == pytest.approx(float(truth), rel=1e-15, abs=0)
+    for digits in (15, 25, 40):
+        found = form.evaluate(name, {n: str(sp.Rational(v)) for n, v in given.items()}, digits)
+        with mpmath.workdps(60):
+            assert abs(mpmath.mpf(str(found.value)) - truth) <= found.error + mpmath.mpf(10) ** (1 - digits)

@@ -18,7 +18,9 @@ from hjsolve.functions.elliptic import (
     incomplete,
     inverse,
 )
-from hjsolve.functions.many_digits import legendre_e
+from hjsolve.functions.many_digits import legendre_e, legendre_pi
+from hjsolve.functions.tables import own_modules
+from hjsolve.precision import mp as precise
 from tests.reference.legendre_forms import legendre_complete, legendre_incomplete
 from tests.support.gauss import gauss
 
@@ -296,3 +298,19 @@ def test_e_of_real_numbers_that_are_written_as_complex_ones(angle):
         real = legendre_e(*φ, m)
         assert legendre_e(*(mp.mpc(a, 0) for a in φ), mp.mpc(m, 0)) == real
         assert abs(real - mp.ellipe(*φ, m)) < mp.mpf(10) ** -28
+
+
+def test_pi_of_a_case_that_is_not_taken_is_not_integrated(monkeypatch):
+    """Beyond the pole mpmath integrates numerically: minutes at 480 digits, for a motion about two centres."""
+    monkeypatch.setattr(type(precise), "quadsubdiv", lambda *_: pytest.fail("mpmath integrates"))
+    n, m = sp.symbols("n m")
+    pi = sp.elliptic_pi(n, sp.Rational(-6, 5), m)
+    taken = sp.Piecewise((pi, n < 1), (m, True)) + sp.Piecewise((pi**2, n < 1), (0, True))
+    compiled = sp.lambdify((n, m), taken, modules=own_modules(), cse=True)
+    with precise.workdps(480):
+        assert compiled(precise.mpf(3), precise.mpf(2) / 7) == precise.mpf(2) / 7
+    with precise.workdps(40):
+        given = [precise.mpf(1) / 4, precise.mpf(-0.7), precise.mpf(2) / 7]
+        assert legendre_pi(*map(precise.mpc, given)) == legendre_pi(*given) == precise.ellippi(*given)
+        assert precise.isnan(legendre_pi(precise.mpf(2), precise.mpf(2) / 7))
+        assert precise.isnan(legendre_pi(precise.mpf(2), precise.nan))
