@@ -44,15 +44,22 @@ def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, R
                 continue
             # the first one from the start: what lies beyond it is another well
             first = np.argmax(negative[behind], axis=1) + 1
-            inner, width = trials[behind, first - 1], trials[behind, first] - trials[behind, first - 1]
-
-            def falls(t: Reals, k: Integers = behind, a: Reals = inner, w: Reals = width) -> tuple[Reals, Reals]:
-                F, slope = _squares(one, view.slopes, a + w * t, k)  # noqa: B023 (called at once)
-                return -F, -w * slope
-
-            t, _, _ = bracketed_roots(falls, np.full(len(behind), 0.5), np.zeros(len(behind)), np.ones(len(behind)))
-        places[upper, behind], moved[behind] = inner + width * t, True
+            bracket = trials[behind, first - 1], trials[behind, first]
+            places[upper, behind] = _sign_change(one, view.slopes, bracket, behind)
+        moved[behind] = True
     return np.flatnonzero(moved), places[:, moved]
+
+
+def _sign_change(one: CoordinateOfOrbits, code: MachineCode, bracket: tuple[Reals, Reals], orbits: Integers) -> Reals:
+    """Return where F of some of the orbits falls through zero, between an inner and an outer offset of each."""
+    inner, width, n = bracket[0], bracket[1] - bracket[0], len(orbits)
+
+    def rising(t: Reals) -> tuple[Reals, Reals]:  # −F at a fraction of the way out
+        F, slope = _squares(one, code, inner + width * t, orbits)
+        return -F, -width * slope
+
+    t, _, _ = bracketed_roots(rising, np.full(n, 0.5), np.zeros(n), np.ones(n))
+    return inner + width * t
 
 
 def _squares(one: CoordinateOfOrbits, code: MachineCode, x: Reals, orbits: Integers) -> tuple[Reals, Reals]:

@@ -310,17 +310,18 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
             changed = new[good[near]].any(axis=0)
             lost, near = lost[changed], near[:, changed]
         begin = begun(pool, near, wanted.take(lost))
-        solved.put(lost, _roughly_first(task, begin, goals.take(lost), ROUNDS if last else SOON))
+        solved.put(lost, _roughly_first(task, begin, goals.take(lost), last=last))
         new = solved.good.copy()
         new[good] = False
     return solved
 
 
-def _roughly_first(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int) -> Solved:
+def _roughly_first(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, *, last: bool) -> Solved:
     """Find the constants of tori most of which do not exist: a few digits of them tell at a third of the price."""
-    found, (tori, step) = constants_of_tori(task, begin, goals, rounds, rough=True), begin
-    # the same search once more with proved integrals, where rough ones say nothing
-    some = np.flatnonzero(found.good | (~found.denied if rounds == ROUNDS else False))
+    rounds, (tori, step) = ROUNDS if last else SOON, begin
+    found = constants_of_tori(task, begin, goals, rounds, rough=True)
+    # at last the same search with proved integrals, where rough ones say nothing
+    some = np.flatnonzero((found.good | ~found.denied) if last else found.good)
     met = found.good[some]
     both = zip(found.tori.take(some), tori.take(some), strict=True)
     start = Tori(*(np.where(met, rough, own) for rough, own in both)), np.where(met, 0.0, step[:, some])

@@ -154,7 +154,7 @@ def _phases(
     (θ, base, curve), m, close = given, len(task.model.constants), _CLOSE if how == EXACT else _NEARLY
     size, n = θ.shape
     base, curve, seen = base.copy(), curve.copy(), base.copy()
-    trial, step, slopes = base.copy(), np.zeros((size, n)), np.full((n, size, size), np.nan)
+    trial, step, back = base.copy(), np.zeros((size, n)), np.full((n, size, size), np.nan)
     fraction, merit = np.ones(n), np.full(n, np.inf)
     angles = len(task.model.angles)
     shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size)
@@ -174,10 +174,12 @@ def _phases(
         with np.errstate(all="ignore"):
             rounding_error = times(np.abs(matrix_of(found, at)), blurred(among, at))
         finished = found.good & (np.abs(residual) <= np.fmax(close, np.fmax(found.errors, rounding_error))).all(axis=0)
+        # next to a separatrix residuals say nothing: the step that is left, by the slopes of the last, is to be shorter
+        # (natural monotonicity; Deuflhard, Newton Methods for Nonlinear Problems (2004), §3.3)
         with np.errstate(invalid="ignore"):
-            left = np.max(np.abs(times(slopes[active], residual)), axis=0)
-            whole_ = np.max(np.abs(step[:, active]), axis=0)
-        better = found.good & (~np.isfinite(left) | (left < (1 - 0.25 * fraction[active]) * whole_) | finished)
+            left = np.max(np.abs(times(back[active], residual)), axis=0)
+            before = np.max(np.abs(step[:, active]), axis=0)
+        better = found.good & (~np.isfinite(left) | (left < (1 - 0.25 * fraction[active]) * before) | finished)
         settled = ~better & (fraction[active] == 1.0) & (merit[active] < SETTLED)
         with np.errstate(all="ignore"):
             full = (fraction[active] == 1.0) & (merit[active] < 1)
@@ -193,7 +195,7 @@ def _phases(
             whole[..., here] = part[..., better]
         best.put(here, found, better)
         matrices = inverses(matrix_of(found, at)[better])
-        newton, slopes[here] = times(matrices, residual[:, better]), matrices
+        newton, back[here] = times(matrices, residual[:, better]), matrices
         with np.errstate(all="ignore"):
             step[:, here], fraction[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
         fraction[active[~better]] *= 0.25
