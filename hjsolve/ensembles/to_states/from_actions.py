@@ -232,20 +232,24 @@ def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers
     """Return the states of some orbits by the engine, as far as it goes."""
     model, seeds = ready.angles.model, ready.seeds
     J, momenta = task.actions[ready.own][:, index], task.actions[ready.others][:, index]
-    rotating = seeds.shells.rotations
-    patterns = [tuple(bool(x) for x in column) for column in np.unique(rotating.T, axis=0)]
-    done, ambiguous = (np.zeros(len(index), dtype=bool) for _ in range(2))
-    for pattern in patterns:
-        if not all(
-            task.kinds.get(c.name, "") in ("", _word(turns)) for c, turns in zip(model.separated, pattern, strict=True)
-        ):
-            continue
+    kinds = [task.kinds.get(c.name, "") for c in model.separated]
+    patterns = [tuple(bool(x) for x in column) for column in np.unique(seeds.shells.rotations.T, axis=0)]
+    told = [one for one in patterns if all(k in ("", _word(x)) for k, x in zip(kinds, one, strict=True))]
+    searches = []
+    for pattern in told:
         some = np.flatnonzero(_possible(J, pattern))
-        if not len(some):
-            continue
-        mine = seeds.take((rotating == np.array(pattern)[:, None]).all(axis=0))
-        wanted = Asked.of(model, J[:, some], momenta[:, some], pattern)
-        solved = _solved(ready.angles, mine, wanted)
+        if len(some):
+            mine = seeds.take((seeds.shells.rotations == np.array(pattern)[:, None]).all(axis=0))
+            wanted = Asked.of(model, J[:, some], momenta[:, some], pattern)
+            solved, sought = _from_seeds(ready.angles, mine, wanted, everyone=len(told) == 1)
+            _again(ready.angles, mine, wanted, solved, sought)
+            searches.append((pattern, some, mine, wanted, solved, sought))
+    none = np.ones(len(index), dtype=bool)
+    for _, some, _, _, solved, _ in searches:
+        none[some[solved.good]] = False
+    done, ambiguous = (np.zeros(len(index), dtype=bool) for _ in range(2))
+    for pattern, some, mine, wanted, solved, sought in searches:
+        _again(ready.angles, mine, wanted, solved, none[some] & ~sought)
         several = in_the_wells_meant(ready.landscape, mine, solved, wanted, _hints(task, model, index[some]))
         twice = several | (solved.good & done[some])
         ambiguous[some[twice]] = True
@@ -281,26 +285,36 @@ def _possible(J: Reals, pattern: tuple[bool, ...]) -> Mask:
     return fine
 
 
-def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
-    """Constants of tori, from the nearest seeds; what takes long starts again from the nearest that were solved."""
+def _from_seeds(task: AngleTask, seeds: Seeds, wanted: Asked, *, everyone: bool) -> tuple[Solved, Mask]:
+    """Find constants of tori from the nearest seeds; of many orbits those of some, where the others begin.
+
+    Args:
+        everyone: whether all orbits are sought, or only those next to one that has a torus of this kind.
+
+    Returns:
+        The tori, and which were sought.
+    """
+    goals, sizes = wanted.goals, wanted.sizes
+    solved, sought = Solved.none(task, sizes.shape[1]), np.ones(sizes.shape[1], dtype=bool)
+    few, rest = some_first(np.arange(sizes.shape[1]))
+    for part in (few, rest):
+        if part is rest and len(rest):  # these begin at those, which lie where the batch does
+            found = few[solved.good[few]]
+            seeds = seeds.joined(Seeds(solved.tori.take(found), solved.actions.take(found), sizes[:, found]))
+            if not everyone:
+                sought[rest] = solved.good[few[nearest(sizes[:, few], sizes[:, rest])]].any(axis=0)
+        some = part[sought[part]]
+        begin = begun(seeds, nearest(seeds.actions, sizes[:, some]), wanted.take(some))
+        solved.put(some, constants_of_tori(task, begin, goals.take(some), SOON, few=len(some) // _LEFT_OVER))
+    return solved, sought
+
+
+def _again(task: AngleTask, seeds: Seeds, wanted: Asked, solved: Solved, which: Mask) -> None:
+    """Find tori that took long, or were not sought, from the nearest that were found."""
     goals, everything = wanted.goals, wanted.sizes
-
-    def start(pool: Seeds, index: Integers) -> tuple[Tori, Reals]:
-        return begun(pool, nearest(pool.actions, everything[:, index]), wanted.take(index))
-
-    everyone = np.arange(everything.shape[1])
-    few, rest = some_first(everyone)
-    solved = constants_of_tori(task, start(seeds, few), goals.take(few), SOON, few=len(few) // _LEFT_OVER)
-    if len(rest):  # the others begin at these, which lie where the batch does
-        good = np.flatnonzero(solved.good)
-        found = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, few[good]])
-        seeds = seeds.joined(found)
-        left_over = len(rest) // _LEFT_OVER
-        solved = solved.joined(constants_of_tori(task, start(seeds, rest), goals.take(rest), SOON, few=left_over))
-        solved = solved.take(np.argsort(np.concatenate([few, rest])))
-    new = np.ones(len(everyone), dtype=bool)
+    new = np.ones(len(which), dtype=bool)
     for attempt in range(_AGAIN):
-        lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
+        lost, good = np.flatnonzero(~solved.good & which), np.flatnonzero(solved.good)
         if not len(lost):
             break
         last = attempt == _AGAIN - 1 or not len(good)
@@ -313,7 +327,6 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
         solved.put(lost, _roughly_first(task, begin, goals.take(lost), last=last))
         new = solved.good.copy()
         new[good] = False
-    return solved
 
 
 def _roughly_first(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, *, last: bool) -> Solved:

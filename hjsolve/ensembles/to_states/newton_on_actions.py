@@ -140,6 +140,13 @@ class Solved(NamedTuple):
     good: Mask
     denied: Mask
 
+    @classmethod
+    def none(cls, task: AngleTask, count: int) -> Solved:
+        """Return places for n tori, of which none is known."""
+        size, m = len(task.model.separated), len(task.model.constants)
+        tori = Tori(*(np.full((*shape, count), np.nan) for shape in ((m,), (m,), (size,), (size, 4))))
+        return cls(tori, no_actions(size, m, count), *np.zeros((2, count), dtype=bool))
+
     def take(self, index: Integers) -> Solved:
         """Return those of some orbits."""
         return Solved(self.tori.take(index), self.actions.take(index), self.good[index], self.denied[index])
@@ -228,7 +235,8 @@ def constants_of_tori(
             kept[..., active] = new
     harmonic = best.harmonic & (goals.actions > unknown_of(best.slopes, base.values))
     finite = done & best.good & ~harmonic.any(axis=0)
-    return Solved(base, best, finite, ~finite & (beyond >= _BEYOND) & (merit >= _PERHAPS))
+    in_vain = (beyond >= _BEYOND) | (fraction < _LEAST_STEP)
+    return Solved(base, best, finite, ~finite & in_vain & (merit >= _PERHAPS) & (merit < np.inf))
 
 
 def _missing(goals: Goals, found: Reals) -> Reals:
