@@ -177,7 +177,7 @@ def constants_of_tori(
         begin: n tori, and the first step from each, shape (unknown, n).
         goals: what is wanted.
         rounds: how often J is evaluated, at most.
-        few: how many orbits may be left over: each round has a price, whatever their number.
+        few: how many orbits may be left over at each kind of integrals: a round has a price, whatever their number.
         rough: whether constants are wanted to a few digits only.
     """
     size, n = goals.actions.shape
@@ -187,13 +187,17 @@ def constants_of_tori(
     trial = base.moved(goals.unknown, step)
     fraction, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
     best, how = no_actions(size, len(task.model.constants), n), np.full(n, APPROXIMATE)
-    active, done, curve = np.arange(n), np.zeros(n, dtype=bool), np.full(n, np.inf)
-    beyond = np.zeros(n)
-    for _ in range(rounds):
-        if len(active) <= few:
-            break
-        found, seen = _each(task, (trial, zero, goals.rotating), (active, how[active]), rough=rough)
-        sure = how[active] > APPROXIMATE
+    done, open_, tried = np.zeros(n, dtype=bool), np.ones(n, dtype=bool), np.zeros(n, dtype=np.int64)
+    curve, beyond = np.full(n, np.inf), np.zeros(n)
+    while open_.any():
+        # those with the roughest integrals, while the others wait: a round costs the same for ten orbits or a hundred
+        stage = how[open_].min()
+        active = np.flatnonzero(open_ & (how == stage))
+        if stage < EXACT and len(active) <= few:
+            open_[active] = False
+            continue
+        found, seen = _each(task, (trial, zero, goals.rotating), active, stage, rough=rough)
+        sure = stage > APPROXIMATE
         with np.errstate(all="ignore"):
             residual = goals.actions[:, active] - found.values
             unknown = unknown_of(found.slopes, seen.values)
@@ -206,7 +210,7 @@ def constants_of_tori(
             full = (fraction[active] == 1.0) & (merit[active] < 1)
             curve[active] = np.where(full, np.fmax(own / merit[active] ** 2, 1.0), curve[active])
             after = curve[active] * own**2
-            known = (found.errors <= np.array(_KNOWN)[how[active]] * weights).all(axis=0)
+            known = (found.errors <= _KNOWN[stage] * weights).all(axis=0)
         # J of the harmonic libration is that of the motion only where it is to be zero
         close = own <= (_FEW_DIGITS if rough else _CLOSE)
         harmonic = found.harmonic & (goals.actions[:, active] > unknown)
@@ -228,8 +232,10 @@ def constants_of_tori(
         done[active[finished | settled | last]] = True
         _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
         _refined(how, merit, active, (fraction, own, after), DOUBLES if rough else EXACT)
-        going_on = (fraction[active] >= _LEAST_STEP) & (beyond[active] < _BEYOND)
-        active = active[~finished & ~settled & ~last & going_on]
+        tried[active] += 1
+        going_on = (fraction[active] >= _LEAST_STEP) & (beyond[active] < _BEYOND) & (tried[active] < rounds)
+        open_[active] = ~finished & ~settled & ~last & going_on
+        active = active[open_[active]]
         moved = base.take(active).moved(goals.unknown, fraction[active] * step[:, active])
         for kept, new in zip(trial, moved, strict=True):
             kept[..., active] = new
@@ -281,34 +287,32 @@ def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, R
 
 
 def _each(
-    task: AngleTask, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers], *, rough: bool
+    task: AngleTask, given: tuple[Tori, Mask, Mask], active: Integers, stage: int, *, rough: bool
 ) -> tuple[Actions, Tori]:
-    """Actions of some tori, of each as it is to be worked out; of all of them the places inside.
+    """Actions of some tori by integrals of one kind, and the places inside.
 
     Where a few digits do, few nodes are enough even next to a separatrix, between turning points that are searched for
     and not followed: proved integrals take three times as long, and most such searches end in vain.
     """
-    (trial, zero, rotating), (active, how) = given, which
-    size, n, m = len(task.model.separated), len(active), len(task.model.constants)
-    found, seen = no_actions(size, m, n), trial.take(active)
-    next_to = (how == APPROXIMATE) & ~(zero | rotating)[:, active].any(axis=0) & np.isfinite(seen.ends).all(axis=(0, 1))
-    some = np.flatnonzero(next_to)
-    if len(some):
-        near = followed(task, trial.take(active[some]), series=False)
-        fine = some[near.good]
-        next_to[some[~near.good]] = False
+    trial, zero, rotating = (x.take(active) if isinstance(x, Tori) else x[:, active] for x in given)
+    integrals = APPROXIMATE if rough else stage
+    found, seen = no_actions(len(task.model.separated), len(task.model.constants), len(active)), trial
+    left = np.ones(len(active), dtype=bool)
+    if stage == APPROXIMATE:
+        left = (zero | rotating).any(axis=0) | ~np.isfinite(trial.ends).all(axis=(0, 1))
+        some = np.flatnonzero(~left)
+        near = followed(task, trial.take(some), series=False)
+        fine, left[some[~near.good]] = some[near.good], True
         found.values[:, fine], found.slopes[..., fine] = near.action[:, near.good], near.series.means[..., near.good]
         found.errors[:, fine], found.slope_errors[..., fine], found.good[fine] = 0.0, 0.0, True
         found.harmonic[:, fine] = near.harmonic[:, near.good]
         seen.ends[..., fine] = near.bases[..., near.good]
-    for kind in (APPROXIMATE, DOUBLES, EXACT):
-        some = np.flatnonzero((how == kind) & ~next_to)
-        if len(some):
-            own, integrals = active[some], APPROXIMATE if rough else kind
-            part, places = actions_of(*task, trial.take(own), zero[:, own], rotating[:, own], integrals)
-            for kept, new in zip(found, part, strict=True):
-                kept[..., some] = new
-            seen.q[:, some], seen.ends[..., some] = places.q, places.ends
+    some = np.flatnonzero(left)
+    if len(some):
+        part, places = actions_of(*task, trial.take(some), zero[:, some], rotating[:, some], integrals)
+        for kept, new in zip(found, part, strict=True):
+            kept[..., some] = new
+        seen.q[:, some], seen.ends[..., some] = places.q, places.ends
     return found, seen
 
 
