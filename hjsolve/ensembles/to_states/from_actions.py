@@ -25,12 +25,20 @@ from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, model_in_units, rounded_exponents
 from hjsolve.ensembles.to_states.narrow_tori import narrow_librations
-from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Asked, Goals, Solved, constants_of_tori
+from hjsolve.ensembles.to_states.newton_on_actions import (
+    ROUNDS,
+    SOON,
+    Asked,
+    Goals,
+    Solved,
+    constants_of_tori,
+    roughly_known,
+)
 from hjsolve.ensembles.to_states.other_wells import in_the_wells_meant
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
 from hjsolve.ensembles.to_states.seeds import Scales, Seeds, begun, nearest, seeds_of, some_first
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
-from hjsolve.ensembles.to_states.tori import AngleTask, Tori, unknown_of
+from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, AngleTask, Tori, unknown_of
 from hjsolve.ensembles.to_states.wells import Landscape
 from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -331,15 +339,16 @@ def _again(task: AngleTask, seeds: Seeds, wanted: Asked, solved: Solved, which: 
 
 def _roughly_first(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, *, last: bool) -> Solved:
     """Find the constants of tori most of which do not exist: a few digits of them tell at a third of the price."""
-    rounds, (tori, step) = ROUNDS if last else SOON, begin
+    rounds = ROUNDS if last else SOON
     found = constants_of_tori(task, begin, goals, rounds, rough=True)
     # at last the same search with proved integrals, where rough ones say nothing
     some = np.flatnonzero((found.good | ~found.denied) if last else found.good)
-    met = found.good[some]
-    both = zip(found.tori.take(some), tori.take(some), strict=True)
-    start = Tori(*(np.where(met, rough, own) for rough, own in both)), np.where(met, 0.0, step[:, some])
+    met, goals = found.good[some], goals.take(some)
+    known, own = roughly_known(found.take(some), goals), (begin[0].take(some), begin[1][:, some])
+    start = Tori(*(np.where(met, *both) for both in zip(known[0], own[0], strict=True)))
+    stages = np.where(met, EXACT, DOUBLES)
     found.good[:] = False
-    found.put(some, constants_of_tori(task, start, goals.take(some), rounds))
+    found.put(some, constants_of_tori(task, (start, np.where(met, known[1], own[1])), goals, rounds, stages=stages))
     return found
 
 

@@ -169,16 +169,18 @@ class Solved(NamedTuple):
 
 
 def constants_of_tori(
-    task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS, *, few: int = 0, rough: bool = False
-) -> Solved:
+    task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS, *, few: int = 0,
+    rough: bool = False, stages: Integers | None = None,
+) -> Solved:  # fmt: skip
     """Find the constants of tori.
 
     Args:
         begin: n tori, and the first step from each, shape (unknown, n).
         goals: what is wanted.
         rounds: how often J is evaluated, at most.
-        few: how many orbits may be left over at each kind of integrals: a round has a price, whatever their number.
+        few: how many orbits may be left over by rough integrals: a round has a price, whatever their number.
         rough: whether constants are wanted to a few digits only.
+        stages: integrals that each search begins with, shape (n,); None for ``APPROXIMATE``.
     """
     size, n = goals.actions.shape
     zero = goals.actions == 0
@@ -186,14 +188,14 @@ def constants_of_tori(
     base, step = Tori(*(x.copy() for x in begin[0])), begin[1].copy()
     trial = base.moved(goals.unknown, step)
     fraction, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
-    best, how = no_actions(size, len(task.model.constants), n), np.full(n, APPROXIMATE)
+    best, how = no_actions(size, len(task.model.constants), n), np.full(n, APPROXIMATE) if stages is None else stages
     done, open_, tried = np.zeros(n, dtype=bool), np.ones(n, dtype=bool), np.zeros(n, dtype=np.int64)
     curve, beyond = np.full(n, np.inf), np.zeros(n)
     while open_.any():
         # those with the roughest integrals, while the others wait: a round costs the same for ten orbits or a hundred
         stage = how[open_].min()
         active = np.flatnonzero(open_ & (how == stage))
-        if stage < EXACT and len(active) <= few:
+        if stage == APPROXIMATE and len(active) <= few:
             open_[active] = False
             continue
         found, seen = _each(task, (trial, zero, goals.rotating), active, stage, rough=rough)
@@ -231,7 +233,7 @@ def constants_of_tori(
         _shortened(fraction, beyond, merit, (here, active[~better]))
         done[active[finished | settled | last]] = True
         _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
-        _refined(how, merit, active, (fraction, own, after), DOUBLES if rough else EXACT)
+        _refined(how, merit, active, (fraction, own, after), rough=rough)
         tried[active] += 1
         going_on = (fraction[active] >= _LEAST_STEP) & (beyond[active] < _BEYOND) & (tried[active] < rounds)
         open_[active] = ~finished & ~settled & ~last & going_on
@@ -276,14 +278,21 @@ def _stepped(base: Tori, best: Actions, goals: Goals, known: tuple[Integers, Rea
     best.errors[:, index] += _FORESEEN * after * goals.actions + inexact
 
 
-def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, Reals, Reals], most: int) -> None:
-    """Choose how J is worked out next: rough integrals as long as they lead on, ``most`` where little is left."""
+def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, Reals, Reals], *, rough: bool) -> None:
+    """Choose how J is worked out next: rough integrals as long as they lead on, exact ones where little is left."""
     fraction, own, after = seen
     approximate = how[active] == APPROXIMATE
-    near = np.fmin(own, _FORESEEN * after) < _ROUGHLY
+    near = (np.fmin(own, _FORESEEN * after) < _ROUGHLY) & (not rough)
     through = active[approximate & (near | (fraction[active] < _APPROXIMATE_FRACTION))]
     how[through], merit[through] = DOUBLES, np.inf
-    how[active[(how[active] > APPROXIMATE) & (np.fmin(own, after) < _NEARLY)]] = most
+    if not rough:
+        how[active[(how[active] > APPROXIMATE) & (np.fmin(own, after) < _NEARLY)]] = EXACT
+
+
+def roughly_known(found: Solved, goals: Goals) -> tuple[Tori, Reals]:
+    """Return tori of a rough search, and the step to each that it leaves."""
+    missing = goals.actions - found.actions.values
+    return found.tori, newton_step(found.actions.slopes[:, goals.unknown], missing)
 
 
 def _each(

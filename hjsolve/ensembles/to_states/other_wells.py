@@ -20,10 +20,10 @@ from hjsolve.ensembles.engine.coordinate_of_orbits import place
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.narrow_tori import ROWS
-from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Goals, Solved, constants_of_tori
+from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Goals, Solved, constants_of_tori, roughly_known
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
 from hjsolve.ensembles.to_states.seeds import Seeds, begun, nearest, nearest_apart, some_first
-from hjsolve.ensembles.to_states.tori import AngleTask, Tori
+from hjsolve.ensembles.to_states.tori import EXACT, AngleTask, Tori
 from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
 
 _ROUNDS = 2 * SOON
@@ -134,25 +134,30 @@ class _Search:
 
     def from_there(self, seen: Integers, begin: Tori, step: Reals | None = None) -> None:
         """Look for other tori of some orbits from others, to which a step is known or not."""
-        goals, model = self.asked.goals, self.landscape.model
+        step = np.zeros((len(self.asked.goals.unknown), len(seen))) if step is None else step
         # most lead back to the torus that is known: a few digits of the constants tell
-        for rough in (True, False):
-            step = np.zeros((len(goals.unknown), len(seen))) if step is None else step
-            there = constants_of_tori(self.task, (begin, step), goals.take(seen), _ROUNDS, rough=rough)
-            met = np.flatnonzero(there.good)
-            new, seen, step = there.take(met), seen[met], None
-            wells = self.landscape.wells(new.tori, goals.rotating[:, seen], every=self.hinted)
-            found, apart = _Known(new, wells), np.ones(len(seen), dtype=bool)
-            for one in (self.first, self.last, self.chosen):
-                apart &= ~found.same(model, one.take(seen), goals.scale[seen])
-            found, seen = found.take(np.flatnonzero(apart)), seen[apart]
-            begin = found.solved.tori
+        there = constants_of_tori(self.task, (begin, step), self.asked.goals.take(seen), _ROUNDS, rough=True)
+        seen, found = self.others(seen, there)
+        goals = self.asked.goals.take(seen)
+        begun_, stages = roughly_known(found.solved, goals), np.full(len(seen), EXACT)
+        there = constants_of_tori(self.task, begun_, goals, _ROUNDS, stages=stages)
+        seen, found = self.others(seen, there)
         self.another[seen] = True
         self.last.put(seen, found)
         fits = np.flatnonzero(self.meant(found, seen))
         index = seen[fits]
         self.several[index[self.fitting[index]]] = True
         self.chosen.put(index, found.take(fits))
+
+    def others(self, seen: Integers, there: Solved) -> tuple[Integers, _Known]:
+        """Return which orbits have met a torus that is not known, and these tori."""
+        met, model, goals = np.flatnonzero(there.good), self.landscape.model, self.asked.goals
+        new, seen = there.take(met), seen[met]
+        found = _Known(new, self.landscape.wells(new.tori, goals.rotating[:, seen], every=self.hinted))
+        apart = np.ones(len(seen), dtype=bool)
+        for one in (self.first, self.last, self.chosen):
+            apart &= ~found.same(model, one.take(seen), goals.scale[seen])
+        return seen[apart], found.take(np.flatnonzero(apart))
 
     def look_around(self, some: Integers) -> None:
         """Look for other tori of some orbits where p² has other maxima, and from random tori."""
