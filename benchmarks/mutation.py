@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[1]
 LAWS = ("tests/laws/test_levi_civita.py", "tests/laws/test_staeckel_matrix.py", "tests/laws/test_liouville.py")
 TESTS = {
     "separation/forms/levi_civita": (
-        "tests/algebra/test_modular_jets.py",
+        "tests/algebra/test_element_jets.py",
         "tests/separation/test_separation_parts.py",
         "tests/laws/test_levi_civita.py",
         "tests/laws/test_why_not.py",

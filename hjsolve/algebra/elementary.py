@@ -35,7 +35,7 @@ def composed(x: sp.Expr) -> sp.Expr:
 
 def at_one_place(x: sp.Expr) -> sp.Expr:
     """Return the same constant with inverse functions only as log and atan."""
-    return _rewritten(composed(x), _INVERSES)
+    return _rewritten(composed(x), INVERSES)
 
 
 def _rewritten(x: sp.Expr, rules: dict[object, Rule]) -> sp.Expr:
@@ -130,10 +130,11 @@ def _arctangent_of_sine(u: sp.Expr) -> sp.Expr:
     return sp.atan(u / sp.sqrt(1 - u**2))
 
 
-_INVERSES: dict[object, Rule] = {
+INVERSES: dict[object, Rule] = {
     sp.asin: _arctangent_of_sine,
     sp.acos: lambda u: sp.pi / 2 - _arctangent_of_sine(u),
     sp.asinh: lambda u: sp.log(u + sp.sqrt(u**2 + 1)),
     sp.acosh: lambda u: sp.log(u + sp.sqrt(u**2 - 1)),
     sp.atanh: lambda u: (sp.log(1 + u) - sp.log(1 - u)) / 2,
 }
+"""Inverse functions as log and atan, as above."""

@@ -76,14 +76,9 @@ class Field:
             self._mask |= (poly.FIELD >> 1 & ~1) << (poly.BITS * k)
         return k
 
-    def generator(self, k: int, e: int = 1) -> Element:
-        """Return generator k to the power e.
-
-        Args:
-            k: its number.
-            e: the exponent, of either sign.
-        """
-        return self._reduced_factors(Fraction(1), {0: 1}, {self._base(poly.variable(k)): e})
+    def generator(self, k: int) -> Element:
+        """Return generator k as an element."""
+        return self._reduced_factors(Fraction(1), {0: 1}, {self._base(poly.variable(k)): 1})
 
     @property
     def guard(self) -> int:

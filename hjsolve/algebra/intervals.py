@@ -7,12 +7,13 @@ float enters.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import reduce
+from functools import lru_cache, reduce
 
 import mpmath
 import sympy as sp
 from mpmath import libmp
 
+from hjsolve.algebra.elementary import INVERSES, Rule
 from hjsolve.algebra.tree_walk import TreeWalk
 from hjsolve.precision import mp
 
@@ -85,19 +86,14 @@ class Walk(TreeWalk[Interval]):
     def function(self, x: sp.Expr) -> Interval:  # noqa: D102
         if function := _FUNCTIONS.get(x.func):
             return function(self(x.args[0]), self.precision)
-        raise NoEnclosureError(f"no interval extension of {x.func}")
+        return self(_by_others(x))
 
     def power(self, x: sp.Expr) -> Interval:  # noqa: D102
         prec, b, exponent = self.precision, self(x.base), x.exp
-        if exponent.is_Integer:
-            n = int(exponent)
-            return enclose_inverse(libmp.mpi_pow_int(b, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(b, n, prec)
-        if exponent.is_Rational and exponent.q == 2:
-            root = libmp.mpi_sqrt(b, prec)
-            n = int(exponent.p)
-            return (
-                enclose_inverse(libmp.mpi_pow_int(root, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(root, n, prec)
-            )
+        if exponent.is_Rational and exponent.q <= 2:
+            n, root = int(exponent.p), b if exponent.q == 1 else libmp.mpi_sqrt(b, prec)
+            power = libmp.mpi_pow_int(root, abs(n), prec)
+            return _inverse(power, prec) if n < 0 else power
         return libmp.mpi_exp(libmp.mpi_mul(self(exponent), _log(b, prec), prec), prec)
 
 
@@ -118,15 +114,7 @@ def _integer(n: int) -> Interval:
     return libmp.from_int(n), libmp.from_int(n)
 
 
-def enclose_inverse(x: Interval, prec: int) -> Interval:
-    """1/x; ``NoEnclosureError`` where x may be zero.
-
-    Args:
-        x: a real interval.
-
-    Raises:
-        NoEnclosureError: x may be zero.
-    """
+def _inverse(x: Interval, prec: int) -> Interval:
     if not (libmp.mpf_sign(x[0]) > 0 or libmp.mpf_sign(x[1]) < 0):
         raise NoEnclosureError("division by an interval that contains zero")
     return libmp.mpi_div(_integer(1), x, prec)
@@ -138,47 +126,6 @@ def _log(x: Interval, prec: int) -> Interval:
     return libmp.mpi_log(x, prec)
 
 
-def _ratio(
-    top: Callable[[Interval, int], Interval], bottom: Callable[[Interval, int], Interval]
-) -> Callable[[Interval, int], Interval]:
-    return lambda x, prec: libmp.mpi_mul(top(x, prec), enclose_inverse(bottom(x, prec), prec), prec)
-
-
-def _reciprocal(function: Callable[[Interval, int], Interval]) -> Callable[[Interval, int], Interval]:
-    return lambda x, prec: enclose_inverse(function(x, prec), prec)
-
-
-def _half_sum(sign: int) -> Callable[[Interval, int], Interval]:
-    def function(x: Interval, prec: int) -> Interval:
-        up, down = libmp.mpi_exp(x, prec), libmp.mpi_exp(libmp.mpi_neg(x, prec), prec)
-        total = libmp.mpi_add(up, down, prec) if sign > 0 else libmp.mpi_sub(up, down, prec)
-        return libmp.mpi_div(total, _integer(2), prec)
-
-    return function
-
-
-def _asin(x: Interval, prec: int) -> Interval:
-    rest = libmp.mpi_sub(_integer(1), libmp.mpi_mul(x, x, prec), prec)
-    return libmp.mpi_atan(libmp.mpi_mul(x, enclose_inverse(libmp.mpi_sqrt(rest, prec), prec), prec), prec)
-
-
-def _acos(x: Interval, prec: int) -> Interval:
-    return libmp.mpi_sub(libmp.mpi_div(_pi(prec), _integer(2), prec), _asin(x, prec), prec)
-
-
-def _area(constant: int) -> Callable[[Interval, int], Interval]:
-    def function(x: Interval, prec: int) -> Interval:
-        square = libmp.mpi_add(libmp.mpi_mul(x, x, prec), _integer(constant), prec)
-        return _log(libmp.mpi_add(x, libmp.mpi_sqrt(square, prec), prec), prec)
-
-    return function
-
-
-def _atanh(x: Interval, prec: int) -> Interval:
-    up, down = libmp.mpi_add(_integer(1), x, prec), libmp.mpi_sub(_integer(1), x, prec)
-    return libmp.mpi_div(libmp.mpi_sub(_log(up, prec), _log(down, prec), prec), _integer(2), prec)
-
-
 def _sign(x: Interval, _prec: int) -> Interval:
     if libmp.mpf_sign(x[0]) > 0:
         return _integer(1)
@@ -187,14 +134,28 @@ def _sign(x: Interval, _prec: int) -> Interval:
     raise NoEnclosureError("sign of an interval that contains zero")
 
 
-_SIN, _COS = libmp.mpi_sin, libmp.mpi_cos
-_SINH, _COSH = _half_sum(-1), _half_sum(1)
 _FUNCTIONS: dict[object, Callable[[Interval, int], Interval]] = {
-    sp.sin: _SIN, sp.cos: _COS, sp.tan: _ratio(_SIN, _COS), sp.cot: _ratio(_COS, _SIN),
-    sp.sec: _reciprocal(_COS), sp.csc: _reciprocal(_SIN),
-    sp.sinh: _SINH, sp.cosh: _COSH, sp.tanh: _ratio(_SINH, _COSH), sp.coth: _ratio(_COSH, _SINH),
-    sp.sech: _reciprocal(_COSH), sp.csch: _reciprocal(_SINH),
-    sp.exp: libmp.mpi_exp, sp.log: _log, sp.Abs: libmp.mpi_abs, sp.sign: _sign,
-    sp.atan: libmp.mpi_atan, sp.asin: _asin, sp.acos: _acos,
-    sp.asinh: _area(1), sp.acosh: _area(-1), sp.atanh: _atanh,
+    sp.sin: libmp.mpi_sin, sp.cos: libmp.mpi_cos, sp.exp: libmp.mpi_exp, sp.log: _log, sp.atan: libmp.mpi_atan,
+    sp.Abs: libmp.mpi_abs, sp.sign: _sign,
 }  # fmt: skip
+_BY_OTHERS: dict[object, Rule] = {
+    **INVERSES,
+    sp.tan: lambda u: sp.sin(u) / sp.cos(u), sp.cot: lambda u: sp.cos(u) / sp.sin(u),
+    sp.sec: lambda u: 1 / sp.cos(u), sp.csc: lambda u: 1 / sp.sin(u),
+    sp.sinh: lambda u: (sp.exp(u) - sp.exp(-u)) / 2, sp.cosh: lambda u: (sp.exp(u) + sp.exp(-u)) / 2,
+    sp.tanh: lambda u: sp.sinh(u) / sp.cosh(u), sp.coth: lambda u: sp.cosh(u) / sp.sinh(u),
+    sp.sech: lambda u: 1 / sp.cosh(u), sp.csch: lambda u: 1 / sp.sinh(u),
+}  # fmt: skip
+"""Every other function, written by those."""
+
+
+@lru_cache(maxsize=4096)
+def _by_others(x: sp.Expr) -> sp.Expr:
+    """Return a function by those that are enclosed themselves; asked of the same function at every point.
+
+    Raises:
+        NoEnclosureError: a function that is not known.
+    """
+    if rule := _BY_OTHERS.get(x.func):
+        return rule(x.args[0])
+    raise NoEnclosureError(f"no interval extension of {x.func}")

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Sequence
+from fractions import Fraction
 from math import gcd
 
-from hjsolve.algebra import poly
+from hjsolve.algebra.element_point import ElementPoint
 from hjsolve.algebra.field import Element, Field
-from hjsolve.algebra.poly import Poly
 
 _BELOW = (45, 465, 1281, 1425, 1533, 1845, 1869, 2133, 2373, 2385, 3045, 3069, 3081, 3105, 3153, 3441)
 PRIMES = tuple(2**61 - k for k in _BELOW)  # all ≡ 11 modulo 12: square and cube roots are powers
@@ -26,15 +26,14 @@ class NoRootError(ArithmeticError):
     """A radicand has no root modulo the prime at this point; try another point."""
 
 
-class ModularPoint:
+class ModularPoint(ElementPoint):
     """Values of all generators modulo a prime; those of new generators are drawn when asked for."""
 
     def __init__(self, field: Field, seed: int = 0):
-        self.field, self.prime = field, PRIMES[seed % len(PRIMES)]
+        super().__init__(field)
+        self.prime = PRIMES[seed % len(PRIMES)]
         self._random = random.Random(7919 * seed + 17)  # noqa: S311
         self._values: dict[int, int] = {}
-        self._bases: dict[int, int] = {}
-        self._powers: dict[tuple[int, int], int] = {}
 
     def value(self, k: int) -> int:
         """Return the value of generator k."""
@@ -76,32 +75,21 @@ class ModularPoint:
             raise NoRootError
         return root
 
-    def poly(self, a: Poly) -> int:
-        """Return the value of a polynomial."""
-        p, total, powers = self.prime, 0, self._powers
-        for m, c in a.items():
-            for pair in poly.exponents(m):
-                if pair not in powers:
-                    powers[pair] = pow(self.value(pair[0]), pair[1], p)
-                c = c * powers[pair] % p
-            total += c
-        return total % p
+    def fraction(self, x: Fraction) -> int:  # noqa: D102
+        return x.numerator * self.raised(x.denominator, -1) % self.prime
 
-    def element(self, x: Element) -> int:
-        """Return the value of an element.
+    def raised(self, x: int, n: int) -> int:
+        """Return xⁿ.
 
         Raises:
-            ZeroDivisionError: a denominator vanishes at this point.
+            ZeroDivisionError: n is negative and x is zero modulo the prime.
         """
-        p = self.prime
-        value = x.coefficient.numerator * pow(x.coefficient.denominator, -1, p) * self.poly(x.numerator) % p
-        for b, e in x.factors.items():
-            if b not in self._bases:
-                self._bases[b] = self.poly(self.field.bases[b])
-            if e < 0 and not self._bases[b]:
-                raise ZeroDivisionError("a denominator vanishes modulo the prime")
-            value = value * pow(self._bases[b], e, p) % p
-        return value
+        if n < 0 and not x % self.prime:
+            raise ZeroDivisionError("a denominator vanishes modulo the prime")
+        return pow(x, n, self.prime)
+
+    def reduced(self, x: int) -> int:  # noqa: D102
+        return x % self.prime
 
 
 class Filter:

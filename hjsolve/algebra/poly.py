@@ -57,14 +57,9 @@ class Budget:
         return cls(time.monotonic() + seconds, terms=terms)
 
     @classmethod
-    def processor_seconds(cls, seconds: float, terms: int = 4_000_000) -> Budget:
-        """Make a budget of so many seconds of the processor, in the present thread.
-
-        Args:
-            seconds: from now on.
-            terms: largest number of term-by-term products in one polynomial product.
-        """
-        return cls(processor=time.thread_time() + seconds, terms=terms)
+    def processor_seconds(cls, seconds: float) -> Budget:
+        """Make a budget of so many seconds of the processor, in the present thread, from now on."""
+        return cls(processor=time.thread_time() + seconds)
 
     def part(self, seconds: float, terms: int) -> Budget:
         """Return a smaller budget that ends with this one at the latest.

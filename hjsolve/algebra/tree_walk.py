@@ -1,8 +1,8 @@
 """The walk over the tree of an expression, from the leaves up, in any kind of values.
 
-Rooms without numpy evaluate formulas so: in intervals, which prove, in jets of them, to 80 digits, and in bounds on
-algebraic numbers. Each of these says what a leaf, a sum, a product, a power and a function is; where numpy is, formulas
-are tapes (``hjsolve.lowering``).
+Rooms without numpy evaluate formulas so: in intervals, which prove, to 80 digits, and in bounds on algebraic numbers.
+Each of these says what a leaf, a sum, a product, a power and a function is; where numpy is, formulas are tapes
+(``hjsolve.lowering``).
 """
 
 from __future__ import annotations

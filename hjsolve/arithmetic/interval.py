@@ -27,6 +27,16 @@ class Interval(NamedTuple):
     high: Elementwise
 
 
+def hull(x: Interval, y: Interval) -> Interval:
+    """Return the least interval that holds both."""
+    return Interval(np.minimum(x.low, y.low), np.maximum(x.high, y.high))
+
+
+def meet(x: Interval, y: Interval) -> Interval:
+    """Return what two intervals have in common, of which each holds the same number."""
+    return Interval(np.maximum(x.low, y.low), np.minimum(x.high, y.high))
+
+
 @dataclass(frozen=True)
 class Intervals:
     """Interval arithmetic over a plain arithmetic.

@@ -18,6 +18,7 @@ from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes import Scene, is_scene
 from hjsolve.scenes.question import InitialGroups, Times
+from hjsolve.scenes.run import first_arguments
 from hjsolve.solution.quadratures import Solution, solve
 
 Subject: TypeAlias = Scene | Motion | System | Solution | Mapping[str, object] | str | Path
@@ -91,9 +92,7 @@ def _scene_of_motion(motion: Motion) -> Scene:
 
 def _usual(scene: Scene, solution: Solution) -> Scene:
     """Return the scene with what is usually wanted: cycles and a hundred times over ten of them."""
-    start = required(scene.initial)
-    data = {"q": start.q, "velocity": start.velocity, "p": start.p, "parameters": scene.parameters, "t0": start.t}
-    motion = solution.motion(**{key: value for key, value in data.items() if value is not None})
+    start, motion = required(scene.initial), solution.motion(**first_arguments(scene))
     stop = start.t + number(f"{_span(motion):.2g}", source="times.stop")
     return replace(
         scene, title=scene.title or scene.system.title, want=_WANT, times=Times(start=start.t, stop=stop, count=_COUNT)

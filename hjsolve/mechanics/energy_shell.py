@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.algebra.element_jets import at_random_points
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.integration import closed_form_potential
-from hjsolve.algebra.modular_jets import at_random_points
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader

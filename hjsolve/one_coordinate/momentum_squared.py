@@ -13,7 +13,7 @@ import numpy as np
 
 from hjsolve.arithmetic.asymptotic_expansion import BITS
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
-from hjsolve.arithmetic.interval import Interval, Intervals
+from hjsolve.arithmetic.interval import Interval, Intervals, meet
 from hjsolve.arithmetic.jet import Derivatives, Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Numeric
 from hjsolve.arithmetic.sign_at_infinity import sign_before, sign_beyond, sign_in_the_end
@@ -157,7 +157,7 @@ class MomentumSquared:
         with np.errstate(all="ignore"):
             # over a narrow cell the mean value form is off by (width)², the formula as it stands by its width
             sharp = field.add(centre, field.mul(first, field.sub(cell, Interval(middle, middle))))
-            value = Interval(np.maximum(value.low, sharp.low), np.minimum(value.high, sharp.high))
+            value = meet(value, sharp)
         return Derivatives(
             *(Interval(*(np.broadcast_to(end, np.shape(low)) for end in part)) for part in (value, first, second))
         )

@@ -23,6 +23,7 @@ from sympy.core.function import AppliedUndef
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyElement
 
+from hjsolve.algebra.reader import HYPERBOLIC, TRIGONOMETRIC
 from hjsolve.algebra.shared_parts import holds, parts
 from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.constant_field import FieldElement, Ground, Rows, ground_field, numerator_alone
@@ -31,8 +32,6 @@ from hjsolve.errors import InvalidSystemError
 Key = tuple[tuple[int, int, int], ...]
 """A monomial in the radicals: g_i^(p/q) as (i, p, q), 0 < p < q, in the order of i."""
 Element = dict[Key, FieldElement]
-_HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
-_CIRCULAR = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 
 
 class ZeroDivisorError(Exception):
@@ -48,9 +47,9 @@ def _prepare(expression: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr:
     """Rewrite hyperbolic functions by exponentials, circular ones by sin and cos; sign u = |u|/u; split off phases."""
     if expression.has(sp.Piecewise, sp.Heaviside, sp.floor, sp.Min, sp.Max):
         raise InvalidSystemError("find_coordinates: the potential must be one analytic expression, not piecewise")
-    for function in _held(expression, _HYPERBOLIC):
+    for function in _held(expression, HYPERBOLIC):
         expression = expression.replace(function, lambda u, f=function: f(u).rewrite(sp.exp))
-    for function in _held(expression, _CIRCULAR[2:]):
+    for function in _held(expression, TRIGONOMETRIC[2:]):
         expression = expression.replace(function, lambda u, f=function: f(u).rewrite(sp.cos, sp.sin).rewrite(sp.sin))
     if _held(expression, [sp.DiracDelta]):
         expression = expression.replace(sp.DiracDelta, lambda *_: sp.S.Zero)

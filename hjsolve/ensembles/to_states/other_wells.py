@@ -23,7 +23,7 @@ from hjsolve.ensembles.to_states.narrow_tori import ROWS
 from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Goals, Solved, constants_of_tori, roughly_known
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
 from hjsolve.ensembles.to_states.seeds import Seeds, begun, nearest, nearest_apart, some_first
-from hjsolve.ensembles.to_states.tori import EXACT, AngleTask, Tori
+from hjsolve.ensembles.to_states.tori import EXACT, AngleTask, Tori, joined
 from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
 
 _ROUNDS = 2 * SOON
@@ -191,11 +191,7 @@ class _Known(NamedTuple):
 
     def joined(self, other: _Known) -> _Known:
         """Return these and others."""
-        wells = [
-            Wells(*(np.concatenate(pair, axis=-1) for pair in zip(mine, theirs, strict=True)))
-            for mine, theirs in zip(self.wells, other.wells, strict=True)
-        ]
-        return _Known(self.solved.joined(other.solved), wells)
+        return _Known(self.solved.joined(other.solved), list(map(joined, self.wells, other.wells)))
 
     def same(self, model: Model, other: _Known, scale: Reals) -> Mask:
         """Return which tori are those of others."""

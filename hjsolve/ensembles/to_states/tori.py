@@ -107,7 +107,7 @@ def unknown_of(slopes: Reals, constants: Reals) -> Reals:
     return FINER * np.einsum("kcn,cn->kn", np.abs(slopes), np.abs(constants))
 
 
-_Bundle = TypeVar("_Bundle", Tori, Actions)
+_Bundle = TypeVar("_Bundle", bound=NamedTuple)
 
 
 def joined(one: _Bundle, other: _Bundle) -> _Bundle:
@@ -116,7 +116,7 @@ def joined(one: _Bundle, other: _Bundle) -> _Bundle:
     Args:
         one, other: of the same kind.
     """
-    return type(one)(*(np.concatenate(pair, axis=-1) for pair in zip(one, other, strict=True)))
+    return type(one)._make(np.concatenate(pair, axis=-1) for pair in zip(one, other, strict=True))
 
 
 def no_actions(size: int, constants: int, count: int) -> Actions:

@@ -23,13 +23,13 @@ from hjsolve.algebra import poly
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.poly import Poly
 from hjsolve.algebra.reader import OutsideFieldError, Reader
+from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS
 
 ATTEMPTS = 40
 CIRCLE = ((1, 0), ("3/5", "4/5"), (0, 1), ("4/5", "3/5"), ("5/13", "12/13"), ("12/13", "5/13"), ("8/17", "15/17"))
 HYPERBOLA = (("3/4", "5/4"), ("4/3", "5/3"), (0, 1), ("5/12", "13/12"), ("12/5", "13/5"), ("8/15", "17/15"))
 LINE = (0, 1, 2, -1, 3, "1/2", -2, 5, "1/3", "5/2")
 RATIONALS = tuple(Fraction(p, q) for q in range(1, 9) for p in range(40) if gcd(p, q) == 1)
-UNKNOWNS = (sp.core.function.AppliedUndef, sp.Derivative, sp.Subs)
 
 
 @dataclass

@@ -23,9 +23,10 @@ from functools import cached_property
 import sympy as sp
 
 from hjsolve.algebra import poly
+from hjsolve.algebra.element_jets import ElementJet, ElementJets, at_random_points
+from hjsolve.algebra.element_point import Value
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
-from hjsolve.algebra.modular_jets import ModularJet, at_random_points
 from hjsolve.algebra.poly import Poly
 from hjsolve.algebra.readable import printed_length
 from hjsolve.algebra.reader import Reader
@@ -107,12 +108,12 @@ class LeviCivitaConditions:
         return [self.reader.diff_terms(self.potential, q) for q in self.symbols]
 
     @cached_property
-    def _jets(self) -> list[tuple[int, list[ModularJet], ModularJet]] | None:
-        """Primes, jets of ln gᵃᵃ and of U at random points."""
+    def _jets(self) -> list[tuple[ElementJets, list[ElementJet], ElementJet]] | None:
+        """Jets of ln gᵃᵃ and of U at random points."""
         found = at_random_points(self.reader, self.symbols, [*self.metric, self.potential])
         if found is None:
             return None
-        return [(p, [jet.logarithm(p) for jet in jets[:-1]], jets[-1]) for p, jets in found]
+        return [(jets, [jets.logarithm(x) for x in metric], potential) for jets, (*metric, potential) in found]
 
     def passes_filter(self, i: int, j: int, about: int | None) -> bool | None:
         """Return whether S_ij(gʰʰ), or S_ij(U) where ``about`` is None, vanishes at random points modulo primes.
@@ -134,12 +135,11 @@ class LeviCivitaConditions:
         return all(len({self._value(i, j, h, *place) for h in n}) == 1 for place in self._jets)
 
     def _value(
-        self, i: int, j: int, about: int | None, prime: int, log: Sequence[ModularJet], potential: ModularJet
-    ) -> int:
+        self, i: int, j: int, about: int | None, jets: ElementJets, log: Sequence[ElementJet], potential: ElementJet
+    ) -> Value:
         f = potential if about is None else log[about]
         square = 0 if about is None else f.slopes[i] * f.slopes[j]
-        known = log[j].slopes[i] * f.slopes[j] + log[i].slopes[j] * f.slopes[i]
-        return (f.mixed[i, j] + square - known) % prime
+        return jets.point.reduced(condition_of_jets(f, log[i], log[j], i, j) + square)
 
     def holds(self, condition: Condition, sieve: Filter) -> bool:
         """Return a proof that a condition holds; False is not a proof of the opposite.
@@ -192,6 +192,17 @@ def sum_of_products(reader: Reader, products: Products) -> Element:
     return field.total(field.product([field.total(elements) for elements in factors]) for factors in products)
 
 
+def condition_of_jets(f: ElementJet, log_i: ElementJet, log_j: ElementJet, i: int, j: int) -> Value:
+    """Return S_ij(f) = ∂ᵢ∂ⱼf − (∂ᵢ ln gʲʲ) ∂ⱼf − (∂ⱼ ln gⁱⁱ) ∂ᵢf at a point.
+
+    Args:
+        f: gʰʰ, or the potential.
+        log_i, log_j: ln gⁱⁱ and ln gʲʲ.
+        i, j: positions of the two coordinates.
+    """
+    return f.mixed[i, j] - log_j.slopes[i] * f.slopes[j] - log_i.slopes[j] * f.slopes[i]
+
+
 def general_condition(
     reader: Reader, hamiltonian: Element, q: Sequence[sp.Symbol], p: Sequence[sp.Symbol], i: int, j: int
 ) -> Products:
@@ -213,6 +224,16 @@ def general_condition(
         [[-ui], [hj], [d(hi, p[j])]],
         [[-hi], [uj], [d(hj, p[i])]],
     ]
+
+
+def general_condition_of_jets(h: ElementJet) -> Value:
+    """Return L_ij at a point.
+
+    Args:
+        h: the Hamiltonian, by qᵢ, qⱼ, pᵢ and pⱼ.
+    """
+    hi, hj, ui, uj = (h.slopes[k] for k in range(4))
+    return ui * uj * h.mixed[0, 1] + hi * hj * h.mixed[2, 3] - ui * hj * h.mixed[0, 3] - hi * uj * h.mixed[1, 2]
 
 
 def coefficients(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 
-import mpmath
 import sympy as sp
 
+from hjsolve.algebra.element_jets import ElementJet, ElementJets
+from hjsolve.algebra.element_point import Value
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
 from hjsolve.algebra.poly import Budget, WorkLimitError
@@ -22,9 +23,8 @@ from hjsolve.separation.forms import levi_civita
 from hjsolve.separation.forms.levi_civita import Condition
 from hjsolve.separation.obstruction import advice
 from hjsolve.separation.verdicts import Obstruction, Undecided
-from hjsolve.separation.zero_test.interval_elements import find_witness_of_products
-from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, Region, Witness, search
-from hjsolve.separation.zero_test.interval_jets import enclose_condition, has_jets
+from hjsolve.separation.zero_test.interval_elements import find_witness_by_jets
+from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, Region, Witness
 from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, is_zero, not_zero
 
 EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 20_000
@@ -124,19 +124,16 @@ def _written_out(setting: Setting, condition: Condition) -> sp.Expr:
 
 
 def _enclosed(setting: Setting, condition: Condition) -> Witness | None:
-    """Return a witness of S_ij(f) by jets of the expressions of the shell."""
-    i, j = condition.i, condition.j
-    shell, pair = setting.shell, (setting.symbols[i], setting.symbols[j])
-    f = shell.potential if condition.about is None else shell.inverse_metric[condition.about]
-    gi, gj = shell.inverse_metric[i], shell.inverse_metric[j]
-    whole = sp.Tuple(f, gi, gj)
-    if whole.atoms(*UNKNOWNS) or not has_jets(whole, pair):
-        return None
+    """Return a witness of S_ij(f) by jets of the elements of the shell."""
+    i, j, metric = condition.i, condition.j, setting.metric
 
-    def enclosure(point: Mapping[sp.Expr, sp.Rational], precision: int) -> tuple[mpmath.mpf, mpmath.mpf]:
-        return enclose_condition(f, gi, gj, pair, point, precision)
+    def value(jets: ElementJets, parts: Sequence[ElementJet]) -> Value:
+        f, gi, gj = parts
+        return levi_civita.condition_of_jets(f, jets.logarithm(gi), jets.logarithm(gj), 0, 1)
 
-    return search(enclosure, setting.region.points(whole), setting.reader.field.budget)
+    f = setting.potential if condition.about is None else metric[condition.about]
+    symbols = setting.symbols[i], setting.symbols[j]
+    return find_witness_by_jets(setting.reader, symbols, [f, metric[i], metric[j]], value, setting.region)
 
 
 def _d(f: sp.Expr, *symbols: sp.Symbol) -> sp.Expr:
@@ -158,7 +155,7 @@ def _failing(
 ) -> tuple[sp.Expr, NonZero | Unproved]:
     """Return what does not vanish, with the proof: the simplest coefficient of a sum of products in the constants.
 
-    Where it is too much to multiply out, the whole as written out, enclosed as it stands or by its elements.
+    Where it is too much to multiply out, the whole as written out, enclosed by jets.
     """
     field = reader.field
     whole_budget = field.budget
@@ -173,8 +170,7 @@ def _failing(
     if parts:
         return _simplest_nonzero((shortest_form(reader, part) for part in parts), region, whole_budget)
     residual = written_out()
-    witness = enclosed() or find_witness_of_products(field, products(), region, whole_budget)
-    if witness is not None:
+    if (witness := enclosed()) is not None:
         return residual, NonZero(witness)
     return residual, not_zero(residual.doit(), region, whole_budget, "no witness was found")
 
@@ -248,7 +244,7 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
             partial(list, products),
             constants,
             partial(_general_written_out, H, q, p, i, j),
-            lambda: None,
+            partial(find_witness_by_jets, reader, [q[i], q[j], p[i], p[j]], [h], _general_value, region),
             region,
         )
         if isinstance(answer, NonZero):
@@ -256,6 +252,10 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
         return _general_undecided(system, found, residual, answer, f"it could not be decided: {answer.reason}")
     text = "it holds, so the system may separate after a change of coordinates that decouples T"
     return _general_undecided(system, found, found.residual, Unproved({}, None, text), text)
+
+
+def _general_value(_jets: ElementJets, parts: Sequence[ElementJet]) -> Value:
+    return levi_civita.general_condition_of_jets(parts[0])
 
 
 def _general_written_out(H: sp.Expr, q: list[sp.Symbol], p: list[sp.Symbol], i: int, j: int) -> sp.Expr:

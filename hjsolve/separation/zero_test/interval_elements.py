@@ -1,102 +1,105 @@
-"""Enclosing Σ Π Σ of field elements at a rational point, nothing multiplied out and nothing differentiated again.
+"""Enclosing what is made of jets of field elements at a rational point: no derivative is written down.
 
 The exact twin of ``algebra.modular``: the generators are enclosed as the real functions they stand for, so that an
-enclosure that excludes zero proves that the sum is not the zero function, however large it would be when written out.
+enclosure that excludes zero proves that a condition does not hold, however large it would be when written out. A shell
+with thousands of terms has a condition with millions; its value at a point costs no more than a few evaluations of the
+shell.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import lru_cache
 
 import mpmath
 import sympy as sp
-from mpmath import libmp
+from mpmath.ctx_iv import MPIntervalContext
 
-from hjsolve.algebra import poly
+from hjsolve.algebra.element_jets import ElementJet, ElementJets
+from hjsolve.algebra.element_point import ElementPoint, Value
 from hjsolve.algebra.field import Element, Field
-from hjsolve.algebra.intervals import Interval, Walk, enclose_inverse, finite, rational
-from hjsolve.algebra.modular import Products
-from hjsolve.algebra.poly import Budget, Poly
+from hjsolve.algebra.intervals import NoEnclosureError, Walk, finite, rational
+from hjsolve.algebra.reader import Reader
 from hjsolve.separation.zero_test.interval_evaluation import Region, Witness, search
 
+Condition = Callable[[ElementJets, Sequence[ElementJet]], Value]
+"""What may not vanish, of jets of some elements."""
 
-def find_witness_of_products(field: Field, products: Products, region: Region, budget: Budget) -> Witness | None:
-    """Search rational points of the region for one where Σ Π Σ of the elements is enclosed away from zero.
+
+def find_witness_by_jets(
+    reader: Reader, symbols: Sequence[sp.Symbol], elements: Sequence[Element], condition: Condition, region: Region
+) -> Witness | None:
+    """Search rational points of the region for one where a condition is enclosed away from zero.
 
     Args:
-        products: Σ Π Σ of elements.
+        reader: differentiates the generators.
+        symbols: what is differentiated by.
+        elements: what the condition is of.
+        condition: of their jets.
         region: where the points are taken from.
     """
-    used = {k for factors in products for terms in factors for x in terms for k in x.generators}
-    atoms = sp.Tuple(*(field.generators[k].atom for k in sorted(used)))
-    return search(partial(enclose_products, field, products), region.points(atoms), budget)
+    held = _with_derivatives(reader, symbols, elements)
+    atoms = sp.Tuple(*(reader.field.generators[k].atom for k in sorted(held)))
+
+    def enclosure(point: Mapping[sp.Expr, sp.Rational], precision: int) -> tuple[mpmath.mpf, mpmath.mpf]:
+        place = IntervalPoint(reader.field, point, precision)
+        jets = ElementJets(reader, symbols, place)
+        return finite(lambda: place.numbers.mpf(condition(jets, [jets.element(x) for x in elements]))._mpi_)
+
+    return search(enclosure, region.points(atoms), reader.field.budget)
 
 
-def enclose_products(
-    field: Field, products: Products, point: Mapping[sp.Expr, sp.Rational], precision: int
-) -> tuple[mpmath.mpf, mpmath.mpf]:
-    """Lower and upper bound of Σ Π Σ of elements at a point.
+def _with_derivatives(reader: Reader, symbols: Sequence[sp.Symbol], elements: Sequence[Element]) -> set[int]:
+    """Return the generators of elements and of their first and second derivatives."""
+    new = held = {k for x in elements for k in x.generators}
+    for _ in range(2):
+        new = {l for k in new for q in symbols for l in reader.generator_diff(k, q).generators}
+        held = held | new
+    return held
+
+
+class IntervalPoint(ElementPoint):
+    """A rational point; values are enclosures.
 
     Args:
-        products: Σ Π Σ of elements.
+        field: the field of the elements.
         point: symbol, or function left undetermined, → rational value.
-
-    Raises:
-        NoEnclosureError: a generator has no real value there, or a denominator may vanish.
+        precision: in bits.
     """
-    return finite(lambda: _Values(field, point, precision).products(products))
-
-
-class _Values:
-    """One evaluation: remembers the values of generators, their powers and bases."""
 
     def __init__(self, field: Field, point: Mapping[sp.Expr, sp.Rational], precision: int):
-        self.field, self.precision = field, precision
-        self.walk = Walk(point, precision)
-        self.powers: dict[tuple[int, int], Interval] = {}
-        self.bases: dict[int, Interval] = {}
-        self.elements: dict[int, Interval] = {}
+        super().__init__(field)
+        self.walk, self.numbers = Walk(point, precision), _intervals(precision)
 
-    def products(self, products: Products) -> Interval:
-        """Σ Π Σ."""
-        return self._sum(
-            self._product(self._sum(map(self.element, terms)) for terms in factors) for factors in products
-        )
+    def value(self, k: int) -> Value:
+        """Return the value of generator k.
 
-    def element(self, x: Element) -> Interval:
-        """One element; the same object is evaluated once."""
-        if id(x) not in self.elements:
-            c = rational(x.coefficient.numerator, x.coefficient.denominator, self.precision)
-            parts = [c, self._poly(x.numerator), *(self._base(b, e) for b, e in x.factors.items())]
-            self.elements[id(x)] = self._product(parts)
-        return self.elements[id(x)]
+        Raises:
+            NoEnclosureError: it has no real value at this point.
+        """
+        return self.numbers.make_mpf(self.walk(self.field.generators[k].atom))
 
-    def _base(self, b: int, e: int) -> Interval:
-        if b not in self.bases:
-            self.bases[b] = self._poly(self.field.bases[b])
-        power = libmp.mpi_pow_int(self.bases[b], abs(e), self.precision)
-        return enclose_inverse(power, self.precision) if e < 0 else power
+    def fraction(self, x: Fraction) -> Value:  # noqa: D102
+        return self.numbers.make_mpf(rational(x.numerator, x.denominator, self.walk.precision))
 
-    def _poly(self, a: Poly) -> Interval:
-        return self._sum(
-            self._product([rational(c, 1, self.precision), *map(self._power, poly.exponents(m))]) for m, c in a.items()
-        )
+    def raised(self, x: Value, n: int) -> Value:
+        """Return xⁿ.
 
-    def _power(self, pair: tuple[int, int]) -> Interval:
-        if pair not in self.powers:
-            value = self.walk(self.field.generators[pair[0]].atom)
-            self.powers[pair] = libmp.mpi_pow_int(value, pair[1], self.precision)
-        return self.powers[pair]
+        Raises:
+            NoEnclosureError: n is negative and x may be zero.
+        """
+        if n < 0 and 0 in x:
+            raise NoEnclosureError("division by an interval that contains zero")
+        return x**n
 
-    def _sum(self, terms: Iterable[Interval]) -> Interval:
-        total = rational(0, 1, self.precision)
-        for term in terms:
-            total = libmp.mpi_add(total, term, self.precision)
-        return total
+    def reduced(self, x: Value) -> Value:  # noqa: D102
+        return x
 
-    def _product(self, factors: Iterable[Interval]) -> Interval:
-        total = rational(1, 1, self.precision)
-        for factor in factors:
-            total = libmp.mpi_mul(total, factor, self.precision)
-        return total
+
+@lru_cache
+def _intervals(precision: int) -> MPIntervalContext:
+    """Return intervals of mpmath with a precision of their own, which nothing changes."""
+    context = MPIntervalContext()
+    context.prec = precision
+    return context

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.interval import Interval
+from hjsolve.arithmetic.interval import Interval, hull, meet
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.lowering import lower
 from hjsolve.two_point.central.radial_arcs import DIRECT, INNER, OUTER, RadialArcs
@@ -44,14 +44,6 @@ def _exact(x: Reals | float) -> Interval:
 
 
 _HALF, _ONE, _TWO, _SIXTH = _exact(0.5), _exact(1.0), _exact(2.0), div(_exact(1.0), _exact(6.0))
-
-
-def _hull(x: Interval, y: Interval) -> Interval:
-    return Interval(np.minimum(x.low, y.low), np.maximum(x.high, y.high))
-
-
-def _meet(x: Interval, y: Interval) -> Interval:
-    return Interval(np.maximum(x.low, y.low), np.minimum(x.high, y.high))
 
 
 def _middle(x: Interval) -> Interval:
@@ -128,7 +120,7 @@ def _pair(P: SquarePotential, v: Interval, w: Interval) -> _Pair:
 
     The first also serve where v = w, and the last for narrow ranges of both.
     """
-    hull = P.over(Interval(np.minimum(v.low, w.low), np.maximum(v.high, w.high)))
+    between = P.over(hull(v, w))
     shape = np.broadcast_shapes(np.shape(v.low), np.shape(w.low))
     v0, w0 = (_exact(np.broadcast_to(_middle(x).low, shape)) for x in (v, w))
     dv, dw = _from(v, _middle(v)), _from(w, _middle(w))
@@ -136,20 +128,20 @@ def _pair(P: SquarePotential, v: Interval, w: Interval) -> _Pair:
     gap, gap0 = sub(w, v), sub(w0, v0)
     plain0 = div(sub(at_w.value, at_v.value), gap0)
     low0, high0 = div(sub(plain0, at_v.first), gap0), div(sub(at_w.first, plain0), gap0)
-    plain = _meet(hull.first, div(sub(over_w.value, over_v.value), gap))
-    second, third = mul(_HALF, hull.second), mul(_SIXTH, hull.third)
-    low = _meet(second, div(sub(plain, over_v.first), gap))
-    high = _meet(second, div(sub(over_w.first, plain), gap))
+    plain = meet(between.first, div(sub(over_w.value, over_v.value), gap))
+    second, third = mul(_HALF, between.second), mul(_SIXTH, between.third)
+    low = meet(second, div(sub(plain, over_v.first), gap))
+    high = meet(second, div(sub(over_w.first, plain), gap))
     for _ in range(2):
-        plain = _meet(plain, add(plain0, add(mul(low, dv), mul(high, dw))))
-        low = _meet(low, div(sub(plain, over_v.first), gap))
-        high = _meet(high, div(sub(over_w.first, plain), gap))
-        mixed = _meet(third, div(sub(high, low), gap))
-        first = _meet(third, div(sub(low, mul(_HALF, over_v.second)), gap))
-        last = _meet(third, div(sub(mul(_HALF, over_w.second), high), gap))
-        low = _meet(low, add(low0, add(mul(mul(_TWO, first), dv), mul(mixed, dw))))
-        high = _meet(high, add(high0, add(mul(mixed, dv), mul(mul(_TWO, last), dw))))
-    return _Pair(_meet(plain, add(plain0, add(mul(low, dv), mul(high, dw)))), low, high)
+        plain = meet(plain, add(plain0, add(mul(low, dv), mul(high, dw))))
+        low = meet(low, div(sub(plain, over_v.first), gap))
+        high = meet(high, div(sub(over_w.first, plain), gap))
+        mixed = meet(third, div(sub(high, low), gap))
+        first = meet(third, div(sub(low, mul(_HALF, over_v.second)), gap))
+        last = meet(third, div(sub(mul(_HALF, over_w.second), high), gap))
+        low = meet(low, add(low0, add(mul(mul(_TWO, first), dv), mul(mixed, dw))))
+        high = meet(high, add(high0, add(mul(mixed, dv), mul(mul(_TWO, last), dw))))
+    return _Pair(meet(plain, add(plain0, add(mul(low, dv), mul(high, dw)))), low, high)
 
 
 class ApsidalBoxes(NamedTuple):
@@ -197,7 +189,7 @@ def _orbit(P: SquarePotential, boxes: ApsidalBoxes) -> _Orbit:
     (V, slope), (V0, _) = P.plain(p), P.plain(p0)
     by_p, by_a = sub(ends.lower, slope), ends.upper
     excess = add(sub(_pair(P, p0, a0).plain, V0), add(mul(by_p, _from(p, p0)), mul(by_a, _from(a, a0))))
-    return _Orbit(p, a, width, ends, _meet(excess, sub(ends.plain, V)), by_p, by_a)
+    return _Orbit(p, a, width, ends, meet(excess, sub(ends.plain, V)), by_p, by_a)
 
 
 def energies_of(P: SquarePotential, boxes: ApsidalBoxes) -> Interval:
@@ -227,22 +219,22 @@ def _triple(P: SquarePotential, orbit: _Orbit, u: Interval) -> Triple:
     p, a, width = orbit.p, orbit.a, orbit.width
     low, high = _pair(P, p, u), _pair(P, u, a)
     G = div(sub(high.plain, low.plain), width)
-    hull = P.over(_hull(_hull(p, u), a))
-    G = _meet(G, mul(_HALF, hull.second))
-    third = mul(_SIXTH, hull.third)
+    between = P.over(hull(hull(p, u), a))
+    G = meet(G, mul(_HALF, between.second))
+    third = mul(_SIXTH, between.third)
 
     def slopes(G: Interval) -> tuple[Interval, Interval, Interval]:
         return (
-            _meet(div(sub(G, low.lower), width), third),
-            _meet(div(sub(high.lower, low.upper), width), third),
-            _meet(div(sub(high.upper, G), width), third),
+            meet(div(sub(G, low.lower), width), third),
+            meet(div(sub(high.lower, low.upper), width), third),
+            meet(div(sub(high.upper, G), width), third),
         )
 
     by_p, by_u, by_a = slopes(G)
     p0, u0, a0 = _middle(p), _middle(u), _middle(a)
     thin = div(sub(_pair(P, u0, a0).plain, _pair(P, p0, u0).plain), sub(a0, p0))
     spread = add(add(mul(by_p, _from(p, p0)), mul(by_u, _from(u, u0))), mul(by_a, _from(a, a0)))
-    G = _meet(G, add(thin, spread))
+    G = meet(G, add(thin, spread))
     return Triple(G, *slopes(G))
 
 
@@ -274,7 +266,7 @@ def _passages(boxes: ApsidalBoxes, orbit: _Orbit, *, anomaly: bool) -> tuple[_Pa
         c = _root(add(gap, power(other, 2)))
         with np.errstate(all="ignore"):
             angle = mul(_TWO, FIELD.unary("atan", mul(by_z, div(z, c))))
-        angle = _meet(angle, Interval(np.zeros(1), np.full(1, np.pi * (1 + _EPS))))
+        angle = meet(angle, Interval(np.zeros(1), np.full(1, np.pi * (1 + _EPS))))
         own = div(mul(_TWO, mul(by_z, c)), width)
         cross = _negative(div(mul(_TWO, mul(by_other, mul(z, div(other, c)))), width))
         result.append(_Passage(_positive(angle), *((cross, own) if swap else (own, cross))))
@@ -434,7 +426,7 @@ def _integrals(
             off = (np.asarray(rate.high) - np.asarray(rate.low)) / 8 * np.square(width.high) * (1 + 1e-12)
             off = np.where(np.isfinite(off), off, np.inf)
         by_middle = add(mul(_taken(value, middles), width), Interval(-off, off))
-        values.append(_sum(_meet(mul(_taken(value, cells), width), by_middle)))
+        values.append(_sum(meet(mul(_taken(value, cells), width), by_middle)))
         totals = []
         for j in (0, 1) if slopes else ():
             total = _sum(mul(_taken(by_xy[j], cells), width))

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.interval import Interval
+from hjsolve.arithmetic.interval import Interval, meet
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.two_point.central.radial_grid import FIELD, RadialGrid
 
@@ -121,10 +121,6 @@ def _point(x: Reals) -> Interval:
     return Interval(x, x)
 
 
-def _meet(x: Interval, y: Interval) -> Interval:
-    return Interval(np.maximum(x.low, y.low), np.minimum(x.high, y.high))
-
-
 def _cells(grid: RadialGrid) -> Interval:
     return Interval(grid.r[None, :-1], grid.r[None, 1:])
 
@@ -198,12 +194,12 @@ def _with_coefficients(
     B_middle = sub(mul(_TWO, A_middle), W1)
     width = Interval(-grid.half[None, :], grid.half[None, :])
     g, h = div(_TWO, B), mul(_TWO, div(A, B))
-    g = _meet(g, add(div(_TWO, B_middle), mul(rg, width)))
-    h = _meet(h, add(mul(_TWO, div(A_middle, B_middle)), mul(rh, width)))
+    g = meet(g, add(div(_TWO, B_middle), mul(rg, width)))
+    h = meet(h, add(mul(_TWO, div(A_middle, B_middle)), mul(rh, width)))
     # f′ = rB, and f is narrower at the nodes than over a cell
     change = mul(mul(_cells(grid), B), Interval(np.zeros(1), np.diff(grid.r)[None, :] * (1 + 1e-15)))
-    inside = _meet(inside, add(Interval(square.low[:, :-1], square.high[:, :-1]), change))
-    inside = _meet(inside, sub(Interval(square.low[:, 1:], square.high[:, 1:]), change))
+    inside = meet(inside, add(Interval(square.low[:, :-1], square.high[:, :-1]), change))
+    inside = meet(inside, sub(Interval(square.low[:, 1:], square.high[:, 1:]), change))
     rising, falling = np.asarray(B.low > 0).copy(), np.asarray(B.high < 0)
     if grid.centre is not None:
         q, slowest = grid.centre.ratio(E), grid.centre.slowest(E)
@@ -410,7 +406,7 @@ def _by_middles(grid: RadialGrid, boxes: Boxes, F: _Fields, σ: Interval) -> tup
             off = (np.asarray(slope.high) - np.asarray(slope.low)) / 2 * np.square(grid.half)[None, :] * (1 + 1e-12)
         width = 2 * grid.half[None, :]
         whole = mul(at, Interval(width * (1 - 1e-11), width))
-        result.append(_meet(add(whole, Interval(-off, off)), mul(u, Interval(width * (1 - 1e-11), width))))
+        result.append(meet(add(whole, Interval(-off, off)), mul(u, Interval(width * (1 - 1e-11), width))))
     return result[0], result[1]
 
 

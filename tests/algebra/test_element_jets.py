@@ -1,19 +1,22 @@
-"""Derivatives modulo primes: against the exact derivatives of the field at the same points."""
+"""Derivatives at points: modulo primes against the exact ones of the field, in intervals against those of sympy."""
 
 from __future__ import annotations
 
 from itertools import combinations
 
+import mpmath
 import pytest
 import sympy as sp
 
+from hjsolve.algebra.element_jets import ElementJets, at_random_points
+from hjsolve.algebra.intervals import NoEnclosureError
 from hjsolve.algebra.modular import Filter, ModularPoint, NoRootError
-from hjsolve.algebra.modular_jets import ModularJets, at_random_points
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.energy_shell import Shell, reduce
 from hjsolve.separation.forms import levi_civita
 from hjsolve.separation.obstruction import obstruction
 from hjsolve.separation.obstruction.blocks import components
+from hjsolve.separation.zero_test.interval_elements import IntervalPoint
 from tests.support.separation_cases import REFUSED, SEPARABLE
 
 x, y, z = sp.symbols("x y z", real=True)
@@ -39,7 +42,7 @@ def test_slopes_and_mixed_derivatives_are_those_of_the_field(function):
     for seed in range(20):
         point = ModularPoint(reader.field, seed)
         try:
-            jet = ModularJets(reader, q, point).element(element)
+            jet = ElementJets(reader, q, point).element(element)
         except NoRootError:
             continue
         points += 1
@@ -52,14 +55,37 @@ def test_slopes_and_mixed_derivatives_are_those_of_the_field(function):
     assert points > 4
 
 
+@pytest.mark.parametrize("function", [g for g in FUNCTIONS if not g.has(f)], ids=str)
+@pytest.mark.parametrize("precision", [64, 160])
+def test_jets_in_intervals_hold_the_slopes_and_mixed_derivatives_and_are_narrow(function, precision):
+    q, place = (x, y, z), {x: sp.Rational(3, 7), y: sp.Rational(-5, 4), z: sp.Rational(8, 3)}
+    reader = Reader([function])
+    jets = ElementJets(reader, q, IntervalPoint(reader.field, place, precision))
+    jet = jets.element(reader.element(function))
+    found = [(jet.value, function), *((jet.slopes[i], function.diff(q[i])) for i in range(3))]
+    found += [(jet.mixed[i, j], function.diff(q[i], q[j])) for i, j in combinations(range(3), 2)]
+    with mpmath.workprec(2 * precision):
+        for enclosure, exact in found:
+            value = mpmath.mpf(exact.xreplace(place).evalf(2 * precision))
+            low, high = (mpmath.mpf(end) for end in jets.point.numbers.mpf(enclosure)._mpi_)
+            assert low <= value <= high
+            assert high - low <= mpmath.ldexp(1 + abs(value), 20 - precision)
+
+
+def test_what_may_vanish_has_no_logarithm_in_intervals():
+    reader = Reader([x, y])
+    jets = ElementJets(reader, (x, y), IntervalPoint(reader.field, {x: sp.Rational(1, 3), y: sp.Rational(1, 3)}, 64))
+    with pytest.raises(NoEnclosureError, match="contains zero"):
+        jets.logarithm(jets.element(reader.element(x - y)))
+
+
 def test_the_logarithm_of_a_jet_is_the_jet_of_the_logarithm():
     function = (x + y) ** 3 / (x * y + z) ** 2
     reader = Reader([function])
     element = reader.element(function)
-    ((prime, (jet,)),) = at_random_points(reader, (x, y, z), [element], points=1)
-    logarithm = jet.logarithm(prime)
-    point = ModularPoint(reader.field, 0)
-    assert prime == point.prime
+    ((jets, (jet,)),) = at_random_points(reader, (x, y, z), [element], points=1)
+    logarithm = jets.logarithm(jet)
+    point = jets.point
     for i, q in enumerate((x, y, z)):
         slope = reader.log_diff(element, q)
         assert logarithm.slopes[i] == point.element(slope)
@@ -71,11 +97,11 @@ def test_a_point_where_a_function_vanishes_or_has_no_root_is_passed_over():
     function = sp.sqrt(x**2 + y + 3)
     reader = Reader([function])
     found = at_random_points(reader, (x, y), [reader.element(function)], points=5)
-    assert len({prime for prime, _ in found}) == 5
+    assert len({jets.point.prime for jets, _ in found}) == 5
     reader = Reader([x])
-    jets = ModularJets(reader, (x,), ModularPoint(reader.field, 0))
+    jets = ElementJets(reader, (x,), ModularPoint(reader.field, 0))
     with pytest.raises(ZeroDivisionError, match="vanishes"):
-        jets.element(reader.field.zero).logarithm(jets.point.prime)
+        jets.logarithm(jets.element(reader.field.zero))
 
 
 ORTHOGONAL = {
