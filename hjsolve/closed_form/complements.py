@@ -23,6 +23,7 @@ from hjsolve.closed_form.arcs import arcs_by_tangents, radicands_of
 from hjsolve.closed_form.common_factors import grouped
 from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
 from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.incomplete_integrals import IncompleteIntegrals
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import written_out
 from hjsolve.closed_form.numbers import at_example
@@ -58,7 +59,7 @@ class ForDoubles:
         self._radicals = {s: value for s, value in example.items() if isinstance(where.get(s), sp.Expr)}
         plain = [meaning for meaning in where.values() if not isinstance(meaning, tuple)]
         self._radicands = radicands_of([*forms, *plain])
-        self._by_roots = RadicandsByRoots(where, places)
+        self._by_roots, self._incomplete = RadicandsByRoots(where, places), IncompleteIntegrals(where)
         self._complements = dict[sp.Symbol, sp.Expr | None]()
         self._known = dict[sp.Expr, sp.Expr]()  # definitions that several forms rest on are arranged once
 
@@ -87,7 +88,7 @@ class ForDoubles:
         return self._known[expression]
 
     def _arranged(self, expression: sp.Expr) -> sp.Expr:
-        made = self._by_roots(self._integrals.arranged(expression))
+        made = self._by_roots(self._integrals.arranged(self._incomplete.arranged(expression)))
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
         plain = arcs_by_tangents(made.xreplace(conditions), self.where, self._radicands)
         plain = plain.xreplace(self._gaps(plain) | self._gaps_of_radicals(plain))
