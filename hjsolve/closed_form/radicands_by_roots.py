@@ -76,6 +76,7 @@ def _factored(where: Where) -> Iterator[tuple[sp.Poly, sp.Expr]]:
             pairs = remaining_pair(P, real)
         except NoFormError:
             continue
-        names = [tuple(next((s for s, m in where.items() if m == part), None) for part in pair) for pair in pairs]
-        if all(along is not None and across is not None for along, across in names):
-            yield P, sp.Mul(*(P.gen - r for r in real), *((P.gen - along) ** 2 + across**2 for along, across in names))
+        named = {meaning: s for s, meaning in where.items() if isinstance(meaning, sp.Expr)}
+        if all(part in named for pair in pairs for part in pair):
+            across = ((P.gen - named[re]) ** 2 + named[im] ** 2 for re, im in pairs)
+            yield P, sp.Mul(*(P.gen - r for r in real), *across)
