@@ -16,7 +16,6 @@ from hjsolve.closed_form.energy_from_actions import solved_for_constants
 from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
-from hjsolve.closed_form.involutions import why_no_curve, why_no_form
 from hjsolve.closed_form.named_quantities import NamedQuantities, Where
 from hjsolve.closed_form.names_of_regime import in_named_rates, names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
@@ -111,15 +110,7 @@ class _Closing:
 
     def __init__(self, context: FormContext, pieces: Integrals, special: SpecialCase, names: NamedQuantities):
         self.solution, self.pieces, self.special, self.names = context.solution, pieces, dict(special), names
-        self.reasons = {
-            name: why_no_form(own) if own else self._without_curve(context, name)
-            for name, own in context.curves.items()
-            if name not in pieces
-        }
-
-    def _without_curve(self, context: FormContext, name: str) -> WhyNot:
-        numerators = [N for key, N in context.numerators[name].items() if key != W]
-        return why_no_curve(self.solution.momentum_squared[name], numerators, self.solution.system.coordinate(name))
+        self.reasons = {name: context.why_no_integral(name) for name in context.curves if name not in pieces}
 
     def equation(
         self, name: str, equation: sp.Eq | None, key: sp.Symbol, why_not: dict[str, WhyNot]

@@ -16,7 +16,7 @@ from hjsolve.closed_form.doubles import CurveForArrays, FormulasForArrays, Roots
 from hjsolve.closed_form.evaluation import magnitude
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.numbers import at_example, curves_held, root_values
+from hjsolve.closed_form.numbers import curves_held, root_values
 from hjsolve.closed_form.regions import RootInterval, holds_place, region_exists
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
@@ -76,8 +76,7 @@ class CompiledRegime:
         """How forms are arranged for doubles; None for mpmath's numbers."""
         if not self.numpy:
             return None
-        form = self.form
-        return ForDoubles(form.where, at_example(form, form.where), form.named().values())
+        return ForDoubles.of(self.form)
 
     @cached_property
     def many_digits(self) -> CompiledRegime:
@@ -109,7 +108,8 @@ class CompiledRegime:
             expression: of them.
             cse: whether common parts are worked out once.
         """
-        return sp.lambdify([*symbols], expression, modules=modules("numpy") if self.numpy else own_modules(), cse=cse)
+        table = [{"atan2": _angle}, *modules("numpy")] if self.numpy else own_modules()
+        return sp.lambdify([*symbols], expression, modules=table, cse=cse)
 
     @cached_property
     def tests(self) -> list[_Compiled]:
@@ -356,6 +356,13 @@ class CompiledForm:
             # fewer real roots than the regime has: either not of it, or two of them just met
             unsure = unsure | doubtful | np.isinf(roots[index])
         return known, unsure
+
+
+def _angle(y: Reals, x: Reals) -> Reals:
+    """Return atan2, nan where an argument overflowed: it would be a multiple of π/4, which nobody sees to be wrong."""
+    import numpy as np
+
+    return np.where(np.isinf(y) | np.isinf(x), np.nan, np.arctan2(y, x))
 
 
 def _exactly(value: object) -> Mpf:

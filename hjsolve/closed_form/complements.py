@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
+from types import MappingProxyType
 
 import mpmath
 import sympy as sp
@@ -22,8 +23,12 @@ from hjsolve.closed_form.arcs import arcs_by_tangents, radicands_of
 from hjsolve.closed_form.common_factors import grouped
 from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
 from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.incomplete_integrals import IncompleteIntegrals
+from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import written_out
+from hjsolve.closed_form.numbers import at_example
 from hjsolve.closed_form.pairs_by_division import deflated_pair, remaining_pair
+from hjsolve.closed_form.radicands_by_roots import RadicandsByRoots
 from hjsolve.closed_form.tidy import elliptic, longer_than, operations
 from hjsolve.precision import mp
 
@@ -41,17 +46,36 @@ class ForDoubles:
         where: symbol → its definition.
         example: symbol → its value at a motion of the regime, of constants and of names: signs and order are its.
         forms: of the regime, whose radicands arcs are written by.
+        places: coordinate, or lower limit → its x, in which P is a polynomial.
     """
 
-    def __init__(self, where: Where, example: Mapping[sp.Symbol, mpmath.mpf], forms: Iterable[sp.Expr] = ()):
+    def __init__(
+        self, where: Where, example: Mapping[sp.Symbol, mpmath.mpf], forms: Iterable[sp.Expr] = (),
+        places: Mapping[sp.Symbol, sp.Expr] = MappingProxyType({}),
+    ):  # fmt: skip
         self.where, self._integrals = where, CompleteIntegrals(where, example)
         self._example = example
         self._roots = {s: value for s, value in example.items() if isinstance(where.get(s), tuple)}
         self._radicals = {s: value for s, value in example.items() if isinstance(where.get(s), sp.Expr)}
         plain = [meaning for meaning in where.values() if not isinstance(meaning, tuple)]
         self._radicands = radicands_of([*forms, *plain])
+        self._by_roots, self._incomplete = RadicandsByRoots(where, places), IncompleteIntegrals(where)
         self._complements = dict[sp.Symbol, sp.Expr | None]()
         self._known = dict[sp.Expr, sp.Expr]()  # definitions that several forms rest on are arranged once
+
+    @classmethod
+    def of(cls, form: NamedForms) -> ForDoubles:
+        """Return it for a regime.
+
+        Args:
+            form: of the regime.
+        """
+        places = dict[sp.Symbol, sp.Expr]()
+        for curve, _ in form.regime.regions:
+            q, place = curve.coordinate.symbol, curve.substitution.place
+            start = form.solution.lower_limits[curve.coordinate.name]
+            places |= {q: place, start: place.subs(q, start)}
+        return cls(form.where, at_example(form, form.where), form.named().values(), places)
 
     def form(self, expression: sp.Expr) -> sp.Expr:
         """Return an equal expression that loses fewer digits.
@@ -64,7 +88,7 @@ class ForDoubles:
         return self._known[expression]
 
     def _arranged(self, expression: sp.Expr) -> sp.Expr:
-        made = self._integrals.arranged(expression)
+        made = self._by_roots(self._integrals.arranged(self._incomplete.arranged(expression)))
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
         plain = arcs_by_tangents(made.xreplace(conditions), self.where, self._radicands)
         plain = plain.xreplace(self._gaps(plain) | self._gaps_of_radicals(plain))

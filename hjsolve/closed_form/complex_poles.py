@@ -100,9 +100,13 @@ class PairOfComplexPoles:
         root = sp.sqrt(sp.factor_terms(P))
         total = sp.S.Zero
         if first != 0 and self.falling:
-            across = sp.factor(n1 * q + n2 * (u - p))
+            across, along = sp.factor(n1 * q + n2 * (u - p)), 2 * sp.factor(σ * q + τ * (u - p))
+            share = sp.cancel(across / P)
             # by atan2, as N changes its quadrant along the motion, where an arctan would jump by π
-            total += first * sp.atan2(across, 2 * root * sp.factor(σ * q + τ * (u - p)))
+            total += first * (
+                # √P > 0 is divided out: P itself overflows where sinh² u does
+                sp.atan2(across, root * along) if share.has(u) else sp.atan2(share * root, along)
+            )
         elif first != 0:
             ratio = sp.factor(sp.cancel((n1 * (u - p) - n2 * q) / (-2 * (σ * (u - p) - τ * q))))
             total += first * sp.atan2(root, ratio)

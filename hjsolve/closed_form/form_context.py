@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, W, momentum_curves
+from hjsolve.closed_form.involutions import why_no_curve, why_no_form
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.verification import DIGITS
+from hjsolve.closed_form.why_not import WhyNot
 from hjsolve.solution.quadratures import Solution
 
 SpecialCase = Mapping[sp.Symbol, sp.Expr]
@@ -33,6 +35,17 @@ class FormContext:
     numerators: dict[str, dict[sp.Symbol, sp.Expr]]
     pieces: dict[tuple[str, tuple[object, ...]], list[CoordinateIntegrals]]
     digits: int
+
+    def why_no_integral(self, name: str) -> WhyNot:
+        """Return why a coordinate has no integral in closed form: of its curves, or why it has none.
+
+        Args:
+            name: of a separated coordinate.
+        """
+        if own := self.curves[name]:
+            return why_no_form(own)
+        numerators = [N for key, N in self.numerators[name].items() if key != W]
+        return why_no_curve(self.solution.momentum_squared[name], numerators, self.solution.system.coordinate(name))
 
     @property
     def constants(self) -> list[sp.Symbol]:

@@ -163,7 +163,7 @@ def _phases(
     inner = [c for c in solution.constants.values() if c.symbol not in ignorable]
     for name in names:
         if name not in pieces:
-            raise NoFormError(f"{name} has no integral in closed form")
+            raise NoFormError(OfCoordinate(name, context.why_no_integral(name)))
     references = {name: _reference(pieces[name], [c.symbol for c in inner]) for name in names}
     # Σ_j M_cj τ_j = right side of c; M is the Stäckel matrix where every column is a constant
     M = sp.Matrix([[_multiple(pieces[n], c.symbol, references[n]) for n in names] for c in inner])

@@ -256,7 +256,8 @@ def over_s(R: PartialFractions, change: LegendreMap, own: LegendreIntegrals) -> 
             continue
         # 1/(x − r) = 1/(d − r) + β/(1 − ns): its values at s = ∞ (x = d) and s = 0 (x = a) give both terms
         constant = sp.S.Zero if change.d is FAR else 1 / (change.d - r)
-        rest = sp.factor(sp.cancel(1 / (change.a - r) - constant))
+        # in factors as it is: of r with a radical, cancel would multiply (a − r)(d − r) out
+        rest = 1 / (change.a - r) if change.d is FAR else (change.d - change.a) * constant / (change.a - r)
         total += weight * _fraction((constant, rest), change.pole(r), k, own)
     return total
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import mpmath
 import sympy as sp
@@ -27,6 +28,8 @@ _CANCELLED = mp.mpf(10) ** -25
 """Of its terms, what is left of a coefficient that is zero: named roots in it have 30 digits at least."""
 _APART = mp.mpf(10) ** -6
 """Of themselves, how near two roots may be that Newton's rule found: two starts may have led to the same one."""
+_OTHER_SIZE = 10
+"""Powers of 2 between roots that are found by themselves: three digits of each are a start for Newton's rule."""
 _OF_DOUBLES = mp.mpf(10) ** -12
 """Of itself, how far a place may be beyond a turning point: it may be a double that was worked out from others."""
 
@@ -169,14 +172,8 @@ def complex_roots(coefficients: Sequence[mpmath.mpf], digits: int) -> list[mpmat
 
 def _roots_by_newton(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mpmath.mpc]:
     """Return all roots; in doubles first, and from there by Newton's rule: simple roots are soon found."""
-    import numpy as np
-
-    # eigenvalues of the companion matrix: right to 1e-16 of the greatest root
-    doubles = [complex(c / coefficients[0]) for c in coefficients]
-    starts = np.roots(doubles) if np.isfinite(doubles).all() else np.array([np.nan])
     found = []
-    for start in starts:
-        z = mp.mpmathify(complex(start))
+    for z in _starts(coefficients):
         for _ in range(14):
             value, slope = mp.polyval(coefficients, z, derivative=True)
             step = value / slope if slope else mp.mpf(1)
@@ -190,6 +187,34 @@ def _roots_by_newton(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[
     # two starts may lead to the same root, and the other would be lost
     if any(abs(a - b) < max(abs(a), abs(b)) * _APART for k, a in enumerate(found) for b in found[:k]):
         return _roots_together(coefficients, digits)
+    return found
+
+
+def _starts(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
+    """Return roots in doubles, those of one size by themselves: next to one of 1e300 all others would be rounding.
+
+    The sizes are the slopes of the Newton polygon, the upper hull of (k, log |cₖ|) (Bini, Numer. Algorithms 13 (1996)
+    179): edges of about the same slope are one group, and roots of other groups change its roots by their ratio.
+    """
+    import numpy as np
+
+    heights = {k: mp.log(abs(c), 2) for k, c in enumerate(coefficients) if c != 0}
+    hull = list[int]()
+    for k, height in heights.items():
+        while len(hull) > 1 and (height - heights[hull[-1]]) * (hull[-1] - hull[-2]) >= (
+            heights[hull[-1]] - heights[hull[-2]]
+        ) * (k - hull[-1]):
+            hull.pop()
+        hull.append(k)
+    slopes = [(heights[j] - heights[i]) / (j - i) for i, j in pairwise(hull)]
+    # the first and the last coefficient are not 0, so that the hull goes from one to the other
+    cuts = [0, *(hull[n + 1] for n, (a, b) in enumerate(pairwise(slopes)) if a - b > _OTHER_SIZE)]
+    found = list[mpmath.mpc]()
+    for i, j in zip(cuts, [*cuts[1:], hull[-1]], strict=True):
+        unit = mp.mpf(2) ** int(mp.nint((heights[j] - heights[i]) / (j - i)))
+        # eigenvalues of the companion matrix: right to 1e-16 of the greatest root of the group
+        part = [complex(coefficients[k] / coefficients[i] / unit ** (k - i)) for k in range(i, j + 1)]
+        found += [unit * mp.mpmathify(complex(start)) for start in np.roots(part)]
     return found
 
 

@@ -12,7 +12,6 @@ from sympy.printing.pycode import PythonCodePrinter
 from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.numbers import at_example
 from hjsolve.errors import InvalidInputError
 from hjsolve.functions.c_code import c_source, in_c
 from hjsolve.functions.printing import DOUBLES, Printable
@@ -46,7 +45,7 @@ def source(form: NamedForms, language: str) -> str:
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
     # the same arrangement as for arrays: what is printed loses no digits that lambdify keeps
-    arrange = ForDoubles(form.where, at_example(form, form.where), form.named().values())
+    arrange = ForDoubles.of(form)
     named = {name: arrange.form(e) for name, e in form.named().items()}
     where = arrange.definitions(s for e in named.values() for s in e.free_symbols)
     defined = where.values()

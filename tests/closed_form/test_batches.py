@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import sympy as sp
 
 import hjsolve
 from benchmarks.closed_form_batches import campaign, forms_of
-from benchmarks.closed_form_comparisons import Met
+from benchmarks.closed_form_comparisons import Met, condition
 from benchmarks.closed_form_draws import Draws, Seeds
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.solution.quadratures import Solution
@@ -132,3 +133,16 @@ def test_what_the_engine_hands_back_is_compared_all_the_same(name: str, monkeypa
     assert [fault for row in sound.rows.values() for fault in row.faults] == []
     broken = _met(solution, _broken(form, name, 1 + sp.Rational(1, 10**9)))
     assert broken.rows[name].faults
+
+
+def test_the_condition_where_the_regime_is_narrower_than_a_step() -> None:
+    # turning points at E = α₂ (1 + 4e-10) were called 4e8 units off: both sides of a step were of other regimes
+    def at(name: str, given: dict[str, Any]) -> Any:
+        x = given["x"]
+        return np.where(abs(x - 1) < 1e-7, np.sin(1e3 * (x - 1)), np.nan)
+
+    own: Any = SimpleNamespace(functions={"f": SimpleNamespace(names=("x",))}, angles=set(), at=at)
+    x = np.array([1.0, 1 + 9e-8, 1.0])
+    size, moved = condition(own, "f", {"x": x}, {"x": np.array([0.0, 1e-9, 2e-9])})
+    assert np.allclose(size, 1e3, rtol=1e-3, atol=0)
+    assert np.allclose(moved, [0.0, 1e-6, 2e-6], rtol=1e-3, atol=0)
