@@ -462,3 +462,33 @@ def test_states_do_not_depend_on_the_number_of_threads(monkeypatch):
                 np.testing.assert_array_equal(mine[c], theirs[c])
     with pytest.raises(hjsolve.InvalidInputError, match="threads"):
         hjsolve.ensemble("isochrone", actions=actions, angles=angles, threads=0)
+
+
+_PENDULUM = hjsolve.System({"theta": "angle"}, "dot(theta)**2/2", "-cos(theta)")
+
+
+def test_in_a_large_batch_no_kind_of_motion_is_missed_of_an_orbit_far_from_the_others():
+    # a pendulum librates with J < 8/π and rotates with J > 4/π, ω = 1: in between both have the action
+    J = np.random.default_rng(4).uniform(0.1, 1.0, 4096)
+    J[[1001, 2003, 3005]] = 2.0, 3.0, 0.001
+    batch = hjsolve.ensemble(_PENDULUM, actions={"theta": J}, want={"state"}, fallback=False)
+    assert batch.status[[1001, 2003, 3005]].tolist() == ["ambiguous", "ok", "ok"]
+    assert (np.delete(batch.status, 1001) == "ok").all()
+
+
+def test_in_a_large_batch_both_kinds_of_motion_are_found_next_to_either_border():
+    J = np.random.default_rng(5).uniform(0.1, 4.0, 4096)
+    batch = hjsolve.ensemble(_PENDULUM, actions={"theta": J}, want={"state"}, fallback=False)
+    both = np.abs(J - 6 / np.pi) < 2 / np.pi
+    clear = np.minimum(np.abs(J - 4 / np.pi), np.abs(J - 8 / np.pi)) > 1e-3
+    assert (batch.status == np.where(both, "ambiguous", "ok"))[clear].all()
+
+
+def test_in_a_large_batch_no_second_well_is_missed_of_an_orbit_far_from_the_others():
+    # above the crest there is one motion with each action, below one in either well
+    wells = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/4 - x**2/2 + x/20")
+    J = np.random.default_rng(6).uniform(0.5, 0.8, 4096)
+    J[2003] = 0.05
+    batch = hjsolve.ensemble(wells, actions={"x": J}, want={"state"}, fallback=False)
+    assert batch.status[2003] == "ambiguous"
+    assert (np.delete(batch.status, 2003) == "ok").all()

@@ -36,7 +36,7 @@ from hjsolve.ensembles.to_states.newton_on_actions import (
 )
 from hjsolve.ensembles.to_states.other_wells import in_the_wells_meant
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
-from hjsolve.ensembles.to_states.seeds import Scales, Seeds, begun, nearest, seeds_of, some_first
+from hjsolve.ensembles.to_states.seeds import Scales, Seeds, alone, begun, nearest, seeds_of, some_first
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
 from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, AngleTask, Tori, unknown_of
 from hjsolve.ensembles.to_states.wells import Landscape
@@ -243,28 +243,51 @@ def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers
     kinds = [task.kinds.get(c.name, "") for c in model.separated]
     patterns = [tuple(bool(x) for x in column) for column in np.unique(seeds.shells.rotations.T, axis=0)]
     told = [one for one in patterns if all(k in ("", _word(x)) for k, x in zip(kinds, one, strict=True))]
-    searches = []
+    searches, none = [], np.ones(len(index), dtype=bool)
     for pattern in told:
         some = np.flatnonzero(_possible(J, pattern))
         if len(some):
             mine = seeds.take((seeds.shells.rotations == np.array(pattern)[:, None]).all(axis=0))
             wanted = Asked.of(model, J[:, some], momenta[:, some], pattern)
-            solved, sought = _from_seeds(ready.angles, mine, wanted, everyone=len(told) == 1)
-            _again(ready.angles, mine, wanted, solved, sought)
-            searches.append((pattern, some, mine, wanted, solved, sought))
-    none = np.ones(len(index), dtype=bool)
-    for _, some, _, _, solved, _ in searches:
-        none[some[solved.good]] = False
+            one = _Search(
+                pattern, some, mine, wanted, *_from_seeds(ready.angles, mine, wanted, everyone=len(told) == 1)
+            )
+            _again(ready.angles, one, one.sought)
+            searches.append(one)
+            none[some[one.solved.good]] = False
     done, ambiguous = (np.zeros(len(index), dtype=bool) for _ in range(2))
-    for pattern, some, mine, wanted, solved, sought in searches:
-        _again(ready.angles, mine, wanted, solved, none[some] & ~sought)
-        several = in_the_wells_meant(ready.landscape, mine, solved, wanted, _hints(task, model, index[some]))
+    for one in searches:
+        some, solved = one.orbits, one.solved
+        # an orbit that no kind of motion has next to others is sought among all
+        _again(ready.angles, one, none[some] & ~one.sought)
+        hints = _hints(task, model, index[some])
+        several = in_the_wells_meant(ready.landscape, one.seeds, solved, one.wanted, hints)
         twice = several | (solved.good & done[some])
         ambiguous[some[twice]] = True
         done[some[solved.good]] = True
         solved.good[twice] = False
-        _written(task, found, ready.angles, (index[some], pattern), solved)
+        _written(task, found, ready.angles, (index[some], one.pattern), solved)
     _withdrawn(found, index[ambiguous])
+
+
+class _Search(NamedTuple):
+    """A search for tori of one kind of motion.
+
+    Attributes:
+        pattern: which coordinates go round.
+        orbits: whose actions such a torus may have, shape (n,).
+        seeds: of this kind.
+        wanted: actions.
+        solved: the tori found.
+        sought: which were looked for.
+    """
+
+    pattern: _Pattern
+    orbits: Integers
+    seeds: Seeds
+    wanted: Asked
+    solved: Solved
+    sought: Mask
 
 
 def _hints(task: InverseTask, model: Model, index: Integers) -> Reals:
@@ -310,15 +333,17 @@ def _from_seeds(task: AngleTask, seeds: Seeds, wanted: Asked, *, everyone: bool)
             found = few[solved.good[few]]
             seeds = seeds.joined(Seeds(solved.tori.take(found), solved.actions.take(found), sizes[:, found]))
             if not everyone:
-                sought[rest] = solved.good[few[nearest(sizes[:, few], sizes[:, rest])]].any(axis=0)
+                beside = solved.good[few[nearest(sizes[:, few], sizes[:, rest])]].any(axis=0)
+                sought[rest] = beside | alone(sizes[:, few], sizes[:, rest])
         some = part[sought[part]]
         begin = begun(seeds, nearest(seeds.actions, sizes[:, some]), wanted.take(some))
         solved.put(some, constants_of_tori(task, begin, goals.take(some), SOON, few=len(some) // _LEFT_OVER))
     return solved, sought
 
 
-def _again(task: AngleTask, seeds: Seeds, wanted: Asked, solved: Solved, which: Mask) -> None:
+def _again(task: AngleTask, search: _Search, which: Mask) -> None:
     """Find tori that took long, or were not sought, from the nearest that were found."""
+    seeds, wanted, solved = search.seeds, search.wanted, search.solved
     goals, everything = wanted.goals, wanted.sizes
     new = np.ones(len(which), dtype=bool)
     for attempt in range(_AGAIN):

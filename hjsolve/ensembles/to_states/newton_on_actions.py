@@ -303,12 +303,12 @@ def _each(
     Where a few digits do, few nodes are enough even next to a separatrix, between turning points that are searched for
     and not followed: proved integrals take three times as long, and most such searches end in vain.
     """
-    trial, zero, rotating = (x.take(active) if isinstance(x, Tori) else x[:, active] for x in given)
+    trial, zero, rotating = given[0].take(active), given[1][:, active], given[2][:, active]
     integrals = APPROXIMATE if rough else stage
     found, seen = no_actions(len(task.model.separated), len(task.model.constants), len(active)), trial
     left = np.ones(len(active), dtype=bool)
     if stage == APPROXIMATE:
-        left = (zero | rotating).any(axis=0) | ~np.isfinite(trial.ends).all(axis=(0, 1))
+        left[:] = (zero | rotating).any(axis=0) | ~np.isfinite(trial.ends).all(axis=(0, 1))
         some = np.flatnonzero(~left)
         near = followed(task, trial.take(some), series=False)
         fine, left[some[~near.good]] = some[near.good], True

@@ -22,7 +22,7 @@ from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.narrow_tori import ROWS
 from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Goals, Solved, constants_of_tori, roughly_known
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
-from hjsolve.ensembles.to_states.seeds import Seeds, begun, nearest, nearest_apart, some_first
+from hjsolve.ensembles.to_states.seeds import Seeds, alone, begun, nearest, nearest_apart, some_first
 from hjsolve.ensembles.to_states.tori import EXACT, AngleTask, Tori, joined
 from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
 
@@ -116,9 +116,10 @@ class _Search:
         tori = self.first.solved.tori.take(astray)
         at_hints = np.where(np.isnan(self.hints[:, astray]), tori.q, self.hints[:, astray])
         self.from_there(astray, tori._replace(q=at_hints, ends=np.full_like(tori.ends, np.nan)))
-        few = np.union1d(some_first(self.everyone)[0], np.flatnonzero(~self.fitting))
+        first, sizes, another = some_first(self.everyone)[0], self.asked.sizes, self.another
+        few = np.union1d(first, np.flatnonzero(~self.fitting | alone(sizes[:, first], sizes)))
         self.look_around(few)
-        known, sizes, another = few[self.another[few]], self.asked.sizes, self.another
+        known = few[another[few]]
         if len(few) == len(another) or not len(known):
             return
         # an orbit has a second torus where one of those next to it has: it begins at the nearest not in its own well

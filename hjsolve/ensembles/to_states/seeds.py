@@ -34,6 +34,8 @@ _EQUILIBRIUM = -700.0
 """Logarithm that stands for that of no action at all."""
 _MANY, _EVERY = 2048, 8
 """Orbits from which on some are solved first, and which of them: every eighth."""
+_BESIDE = 0.5
+"""Distance of the nearest known torus, in logarithms of actions, from which on it says nothing of others."""
 _NEAR = 0.3
 """The relative change of an action up to which constants are extrapolated."""
 
@@ -128,6 +130,17 @@ def nearest(seeds: Reals, wanted: Reals) -> Integers:
     """
     count, none = min(2 * len(wanted) + 1, seeds.shape[1]), np.zeros((0, 0))
     return nearest_apart(seeds, wanted, none, none, count)[0]
+
+
+def alone(seeds: Reals, wanted: Reals) -> Mask:
+    """Return which orbits have no seed near them.
+
+    Args:
+        seeds: actions, shape (names, seeds).
+        wanted: actions, shape (names, n).
+    """
+    none = np.zeros((0, 0))
+    return np.asarray(nearest_apart(seeds, wanted, none, none, 1)[1][0] > _BESIDE**2)
 
 
 def nearest_apart(seeds: Reals, wanted: Reals, there: Reals, here: Reals, count: int) -> tuple[Integers, Reals]:
