@@ -178,7 +178,7 @@ def constants_of_tori(
         begin: n tori, and the first step from each, shape (unknown, n).
         goals: what is wanted.
         rounds: how often J is evaluated, at most.
-        few: how many orbits may be left over by rough integrals: a round has a price, whatever their number.
+        few: how many orbits may be left over by either kind of integrals that are not exact: each round has a price.
         rough: whether constants are wanted to a few digits only.
         stages: integrals that each search begins with, shape (n,); None for ``APPROXIMATE``.
     """
@@ -195,7 +195,7 @@ def constants_of_tori(
         # those with the roughest integrals, while the others wait: a round costs the same for ten orbits or a hundred
         stage = how[open_].min()
         active = np.flatnonzero(open_ & (how == stage))
-        if stage == APPROXIMATE and len(active) <= few:
+        if stage < EXACT and len(active) <= few:
             open_[active] = False
             continue
         found, seen = _each(task, (trial, zero, goals.rotating), active, stage, rough=rough)
