@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.machine.run import MachineProgram
 from hjsolve.arithmetic.number_types import Complexes, Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
-from hjsolve.ensembles.engine.kernels.turn_integrals import Rounds, TurnScratch
+from hjsolve.ensembles.engine.kernels.turn_integrals import Rounds, Turns, TurnScratch, series_of_turns
 from hjsolve.ensembles.engine.kernels.turn_integrals import rotations as integrated
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.maps_of_turns import COUNTS, turn_maps
@@ -94,30 +95,62 @@ def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely
     Returns:
         The sums, good only where this was enough.
     """
-    maps, m = turn_maps(), len(one.constants)
-    index = maps.index(slow.level, slow.several)
-    direction = np.sign(one.P)
     if modes.approximate:  # a guess for Newton's method on actions: no claim, hence no proof
-        least = np.searchsorted(COUNTS, _FRACTION_OF_ROUGH * _usual(slow)).astype(np.int64)
+        least = _roughly_enough(slow)
     else:
-        least = _least(sides(one.coordinate)[0].clearance, slow, direction)
+        least = _least(sides(one.coordinate)[0].clearance, slow, np.sign(one.P))
+    sums, motions = no_sums(len(one.constants), len(one.q)), _rounds(one, slow, least, finely=finely)
+    programs, tables, work = _programs(one, modes, finely=finely)
+    integrated(*programs, motions, tables, modes, sums, work, finely)
+    return sums
+
+
+def rough_series(one: CoordinateOfOrbits, slow: SlowPlaces, coefficients: Reals) -> Sums:
+    """Integrate orbits that go round by rough integrals, with the series of their running integrals.
+
+    Args:
+        one: the coordinate of these orbits.
+        slow: how their nodes crowd.
+        coefficients: filled, shape (n, constants, 2 terms).
+
+    Returns:
+        The sums, good only where this was enough.
+    """
+    modes = Modes(chords=False, kernels=True, oscillations=True, shifts=False, approximate=True)
+    sums, motions = no_sums(len(one.constants), len(one.q)), _rounds(one, slow, _roughly_enough(slow), finely=False)
+    programs, tables, work = _programs(one, modes, finely=False)
+    series_of_turns(*programs, motions, tables, modes, sums, work, coefficients)
+    return sums
+
+
+def _roughly_enough(slow: SlowPlaces) -> Integers:
+    """Return the size with which rough integrals begin."""
+    return np.searchsorted(COUNTS, _FRACTION_OF_ROUGH * _usual(slow)).astype(np.int64)
+
+
+def _rounds(one: CoordinateOfOrbits, slow: SlowPlaces, least: Integers, *, finely: bool) -> Rounds:
     zero = 0.0 * slow.centre
     # the bound that programs in doubles need, as in ``librating``
     lost = np.maximum(one.uncertainty - np.abs(one.low), 0.0) / FINER  # by doubles, of the constants
     known = [*one.constants, *one.low, slow.centre, zero, slow.centre, zero] if finely else one.constants
-    motions = Rounds(
-        centre=slow.centre, left=one.q - slow.centre, opposite=slow.opposite, ratio=slow.ratio, direction=direction,
-        known=np.ascontiguousarray(np.stack([*known], axis=1)),
-        uncertainty=np.ascontiguousarray((one.uncertainty + (lost if finely else 0.0)).T), map=index, least=least,
+    return Rounds(
+        centre=slow.centre, left=one.q - slow.centre, opposite=slow.opposite, ratio=slow.ratio,
+        direction=np.sign(one.P), known=np.ascontiguousarray(np.stack([*known], axis=1)),
+        uncertainty=np.ascontiguousarray((one.uncertainty + (lost if finely else 0.0)).T),
+        map=turn_maps().index(slow.level, slow.several), least=least,
     )  # fmt: skip
-    view = one.programs.views[0]
-    fill, errors = (one.programs.exact[0].fill, one.programs.exact[0].errors) if finely else (view.turn, view.errors)
-    sums, tables = no_sums(m, len(one.q)), maps.tables
+
+
+def _programs(
+    one: CoordinateOfOrbits, modes: Modes, *, finely: bool
+) -> tuple[tuple[MachineProgram, MachineProgram], Turns, TurnScratch]:
+    """Return the programs of nodes and of bounds on errors there, tables that hold the maps in use, and scratch."""
+    view, exact, tables = one.programs.views[0], one.programs.exact[0], turn_maps().tables
     width = tables.angle.shape[2]
-    work = TurnScratch(np.empty(1 + (m if modes.kernels else 0)), np.empty((2, width)))
-    nodes, bounds = (code.program(width, one.parameters) for code in (fill, errors))
-    integrated(nodes, bounds, motions, tables, modes, sums, work, finely)
-    return sums
+    codes = (exact.fill, exact.errors) if finely else (view.turn, view.errors)
+    work = TurnScratch(np.empty(1 + (len(one.constants) if modes.kernels else 0)), np.empty((2, width)))
+    nodes, bounds = (code.program(width, one.parameters) for code in codes)
+    return (nodes, bounds), tables, work
 
 
 def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers:

@@ -1,6 +1,6 @@
 """Rough J, ∂J/∂c and θ of tori whose turning points are next to known ones: what the searches for tori and phases use.
 
-No coordinate rotates or rests. Where a motion is so narrow that p² in doubles has few digits, p² is from 32 digits.
+No coordinate rests. Where a motion is so narrow that p² in doubles has few digits, p² is from 32 digits.
 """
 
 from __future__ import annotations
@@ -21,14 +21,17 @@ from hjsolve.ensembles.engine.kernels.followed_librations import (
     PhaseScratch,
     RunningSeries,
     angles_of_series,
+    begun_series,
     phases_of_series,
     rough_integrals,
 )
 from hjsolve.ensembles.engine.kernels.types import Motions
 from hjsolve.ensembles.engine.librating import APPROXIMATE_SIZES, home, sides_of
 from hjsolve.ensembles.engine.libration_ends import LibrationEnds
+from hjsolve.ensembles.engine.maps_of_turns import turn_maps
 from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
 from hjsolve.ensembles.engine.programs import sides
+from hjsolve.ensembles.engine.rotating import going_round, rough_series
 from hjsolve.ensembles.to_states.places_on_tori import Frames, changed, ends_of, width_of
 from hjsolve.ensembles.to_states.tori import AngleTask, Tori, coordinate_at, kernels, summits
 
@@ -39,10 +42,12 @@ _PAIRS = 6
 _EVEN = 1e-13
 """How far from zero the middle of an even motion may lie, over its width: by rounding."""
 _NODES = max(COUNTS[size] for size in APPROXIMATE_SIZES)
+_NODES_OF_TURNS = 128
+"""Of a whole turn, at most: a rotation that needs more is left to the engine."""
 
 
-class FollowedLibrations(NamedTuple):
-    """Librations of n tori.
+class FollowedTori(NamedTuple):
+    """Librations and rotations of n tori.
 
     Attributes:
         action: J, shape (separated, n).
@@ -61,22 +66,32 @@ class FollowedLibrations(NamedTuple):
     good: Mask
 
 
-def followed(task: AngleTask, tori: Tori, *, series: bool, still: bool = False) -> FollowedLibrations:
+def followed(
+    task: AngleTask, tori: Tori, *, series: bool, still: bool = False, turning: Reals | None = None
+) -> FollowedTori:
     """Return the integrals of tori whose ``ends`` are turning points next to their own.
 
     Args:
         series: whether running integrals are wanted.
         still: whether these are their own, to 32 digits.
+        turning: ±1 for a coordinate that goes round, 0 for librations, shape (separated, n); None for librations
+            alone. Its slow places are looked for.
     """
-    (size, n), m, nodes = tori.q.shape, len(task.model.constants), _NODES if series else 0
-    made = FollowedLibrations(
-        np.full((size, n), np.nan), tori.ends.copy(), np.empty((size, n)), np.zeros((size, n), dtype=bool),
+    (size, n), m = tori.q.shape, len(task.model.constants)
+    turning = np.zeros((size, n)) if turning is None else turning
+    nodes = (_NODES_OF_TURNS if turning.any() else _NODES) if series else 0
+    made = FollowedTori(
+        np.full((size, n), np.nan), tori.ends.copy(), np.zeros((size, n)), np.zeros((size, n), dtype=bool),
         RunningSeries(
-            np.full((size, m, n), np.nan), np.empty((size, n, m, nodes)), *np.zeros((2, size, n), dtype=np.int64)
+            np.full((size, m, n), np.nan), np.empty((size, n, m, nodes)), *np.zeros((2, size, n), dtype=np.int64),
+            np.full((size, 3 + m, n), np.nan),
         ),
         np.ones(n, dtype=bool),
     )  # fmt: skip
     for k in range(size):
+        if turning[k].any():
+            _turn(made, task, tori, k, turning[k])
+            continue
         W, one = width_of(task, k, tori.ends[k]), coordinate_at(*task, tori, k)
         exactly = _narrow(one, tori.ends[k], W)
         own = W > 0
@@ -91,7 +106,24 @@ def followed(task: AngleTask, tori: Tori, *, series: bool, still: bool = False) 
     return made
 
 
-def _fill(made: FollowedLibrations, one: CoordinateOfOrbits, k: int, some: Integers, *, exactly: bool) -> None:
+def _turn(made: FollowedTori, task: AngleTask, tori: Tori, k: int, directions: Reals) -> None:
+    """Integrate one coordinate of all orbits, which goes round."""
+    one, series, n = coordinate_at(*task, tori, k, directions), made.series, len(directions)
+    going = going_round(one)
+    coefficients = np.empty((len(going.orbits), *series.coefficients.shape[2:]))
+    sums = rough_series(one.take(going.orbits), going.slow, coefficients)
+    fine = np.flatnonzero(sums.good)
+    some, slow, sums = going.orbits[fine], going.slow.take(fine), sums.take(fine)
+    made.good[:] &= np.bincount(some, minlength=n) > 0
+    made.action[k, some], series.means[k][:, some] = sums.action, sums.means
+    series.coefficients[k][some] = coefficients[fine]
+    series.size[k, some], series.map[k, some] = sums.chosen
+    own = directions[some]
+    series.turns[k, 0, some], series.turns[k, 1, some] = own * slow.centre, slow.ratio
+    begun_series(series, some, own * slow.opposite, k, turn_maps().tables, np.empty((4, _NODES_OF_TURNS)))
+
+
+def _fill(made: FollowedTori, one: CoordinateOfOrbits, k: int, some: Integers, *, exactly: bool) -> None:
     """Integrate one coordinate of some orbits between their turning points."""
     if not len(some):
         return
@@ -108,15 +140,25 @@ def _fill(made: FollowedLibrations, one: CoordinateOfOrbits, k: int, some: Integ
         series.coefficients[k][some] = coefficients
 
 
-def followed_at(task: AngleTask, tori: Tori, frames: Frames) -> FollowedLibrations:
-    """Return the running integrals of tori whose turning points are known; none of those with a rotation or a rest.
+def followed_at(task: AngleTask, tori: Tori, frames: Frames) -> FollowedTori:
+    """Return the running integrals of tori whose turning points are known; none of those with a rest.
 
     Args:
         frames: with these turning points.
     """
-    plain = frames.good & ~(frames.rotating | frames.resting).any(axis=0)
+    plain = frames.good & ~frames.resting.any(axis=0)
     ends = np.where(plain, frames.bases, np.nan)
-    return followed(task, tori._replace(ends=ends), series=True, still=True)
+    found = followed(task, tori._replace(ends=ends), series=True, still=True, turning=turning_of(frames))
+    return found._replace(good=found.good & plain)
+
+
+def turning_of(frames: Frames) -> Reals:
+    """Return ±1 where coordinates go round, 0 where they librate.
+
+    Args:
+        frames: between what they move.
+    """
+    return np.where(frames.rotating, frames.directions, 0.0)
 
 
 def _narrow(one: CoordinateOfOrbits, bases: Reals, W: Reals) -> Mask:
@@ -208,16 +250,18 @@ def _integrate(
     rough_integrals(below, above, motions, tables, coefficients.shape[2] > 0, action, slopes, coefficients, good, work)
 
 
-def series_of(found: FollowedLibrations, index: Integers) -> RunningSeries:
+def series_of(found: FollowedTori, index: Integers) -> RunningSeries:
     """Return the running integrals of some of the orbits."""
-    means, coefficients, map_, size = found.series
-    return RunningSeries(means[..., index], coefficients[:, index], map_[:, index], size[:, index])
+    means, coefficients, map_, size, turns = found.series
+    return RunningSeries(
+        means[..., index], coefficients[:, index], map_[:, index], size[:, index], turns[..., index]
+    )
 
 
 def _scratch(series: RunningSeries) -> PhaseScratch:
     size, constants, width = series.coefficients.shape[0], series.means.shape[1], series.coefficients.shape[3]
     return PhaseScratch(
-        np.empty((2, width)), np.empty(constants), np.empty((size, size)), np.empty((size, size)), np.empty((7, size))
+        np.empty((4, width)), np.empty(constants), np.empty((size, size)), np.empty((size, size)), np.empty((7, size))
     )
 
 
@@ -229,7 +273,8 @@ def phases_along(series: RunningSeries, θ: Reals, φ: Reals) -> tuple[Reals, Ma
         φ: phases to begin with; changed.
     """
     curve, good = np.full(φ.shape[1], np.inf), np.zeros(φ.shape[1], dtype=bool)
-    phases_of_series(np.ascontiguousarray(θ), φ, series, node_maps().tables, curve, good, _scratch(series))
+    tables = node_maps().tables, turn_maps().tables
+    phases_of_series(np.ascontiguousarray(θ), φ, series, *tables, curve, good, _scratch(series))
     return curve, good
 
 
@@ -241,7 +286,8 @@ def angles_along(task: AngleTask, series: RunningSeries, φ: Reals) -> tuple[Rea
     """
     anomalies, advance = np.empty(φ.shape), np.empty(φ.shape)
     running = np.empty((series.means.shape[1], φ.shape[1]))
-    angles_of_series(np.ascontiguousarray(φ), series, node_maps().tables, anomalies, advance, running, _scratch(series))
+    tables = node_maps().tables, turn_maps().tables
+    angles_of_series(np.ascontiguousarray(φ), series, *tables, anomalies, advance, running, _scratch(series))
     places = [task.model.ignorable[name] for name in task.model.angles]
     ignorable = running[places] - np.einsum("kan,kn->an", series.means[:, places], advance)
     return anomalies + advance, ignorable

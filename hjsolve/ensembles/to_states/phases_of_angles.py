@@ -11,7 +11,7 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, matrix_of
-from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, phases_along, series_of
+from hjsolve.ensembles.to_states.followed_tori import FollowedTori, phases_along, series_of
 from hjsolve.ensembles.to_states.narrow_tori import narrow_ones
 from hjsolve.ensembles.to_states.places_on_tori import Frames, Placed, blurred, placed
 from hjsolve.ensembles.to_states.short_arcs import (
@@ -51,7 +51,7 @@ Here = tuple[Reals, AnglesFound, Placed]
 
 
 def phases_of(
-    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedLibrations, given: tuple[Reals, Reals]
+    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedTori, given: tuple[Reals, Reals]
 ) -> tuple[Here, Mask]:
     """Find the phases with given angles.
 
@@ -64,7 +64,8 @@ def phases_of(
         Phases, angles and states there, and which angles the engine leaves open, so that short arcs gave them.
     """
     (θ, φ), curve = given, np.full(given[0].shape[1], np.inf)
-    tiny = rough.good & (np.abs(θ) < _TINY).any(axis=0)
+    ended = rough.good & ~frames.rotating.any(axis=0)  # arcs begin at turning points
+    tiny = ended & (np.abs(θ) < _TINY).any(axis=0)
     found = _from_turning_points(task, tori, frames, rough, (θ, φ, np.flatnonzero(tiny)))
     some = np.flatnonzero(rough.good & ~found)
     if len(some):
@@ -72,7 +73,7 @@ def phases_of(
         curve[some], found_ = phases_along(series_of(rough, some), θ[:, some], moved)
         φ[:, some] = np.where(found_, moved, φ[:, some])
         found[some[found_]] = True
-    left = np.flatnonzero(rough.good & ~found & ~tiny)
+    left = np.flatnonzero(ended & ~found & ~tiny)
     found |= _from_turning_points(task, tori, frames, rough, (θ, φ, left))
     rest = np.flatnonzero(~found)
     if len(rest):
@@ -84,7 +85,7 @@ def phases_of(
 
 
 def _from_turning_points(
-    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedLibrations, given: tuple[Reals, Reals, Integers]
+    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedTori, given: tuple[Reals, Reals, Integers]
 ) -> Mask:
     """Write the phases of some orbits by arcs from their turning points; return which were found."""
     (θ, φ, some), found = given, np.zeros(given[0].shape[1], dtype=bool)

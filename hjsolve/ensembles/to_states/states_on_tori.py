@@ -16,7 +16,7 @@ from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import place
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
-from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, angles_along, followed, followed_at
+from hjsolve.ensembles.to_states.followed_tori import FollowedTori, angles_along, followed, followed_at, turning_of
 from hjsolve.ensembles.to_states.narrow_tori import narrow_librations, narrow_ones, turning_points
 from hjsolve.ensembles.to_states.phases_of_angles import SETTLED, SMALL, phases_of
 from hjsolve.ensembles.to_states.places_on_tori import Frames, Placed, blurred, placed, refined, width_of
@@ -101,7 +101,7 @@ def states_at(
 
 def _quotients(
     task: AngleTask, tori: Tori, frames: Frames, here: tuple[Reals, Placed, AnglesFound, Reals],
-    known: tuple[Reals, Reals, Mask, FollowedLibrations],
+    known: tuple[Reals, Reals, Mask, FollowedTori],
 ) -> tuple[Reals, Reals, Reals]:  # fmt: skip
     """Return what is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ.
 
@@ -148,13 +148,13 @@ def _roughly(
     task: AngleTask, tori: Tori, frames: Frames, which: tuple[Reals, Mask]
 ) -> tuple[tuple[Reals, Reals], Frames, Mask]:
     """Angles by rough integrals at phases on tori next to some, their turning points, and which of them are known."""
-    near = followed(task, tori._replace(ends=frames.bases), series=True)
+    near = followed(task, tori._replace(ends=frames.bases), series=True, turning=turning_of(frames))
     frames = frames._replace(bases=near.bases, widths=near.widths)
     return _rough_angles(task, tori, frames, near, which), frames, near.good
 
 
 def _rough_angles(
-    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedLibrations, which: tuple[Reals, Mask]
+    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedTori, which: tuple[Reals, Mask]
 ) -> tuple[Reals, Reals]:
     """Angles by rough integrals, of the separated and of the ignorable coordinates; short ones by arcs."""
     φ, short = which

@@ -3,7 +3,8 @@
 On the way to a torus its neighbours are known. Their turning points are next to its own, so that Newton's method finds
 these without a search, at last with p² to 32 digits: a narrow motion has a width. The midpoint rule with few nodes
 (``cycle_integrals``) then gives J and ∂J/∂c, and its nodes the running integrals at every phase at once: with
-kⱼ r = Σ aₖ cos kχ they are a₀ χ + Σ (aₖ/k) sin kχ. There are neither proofs nor bounds.
+kⱼ r = Σ aₖ cos kχ they are a₀ χ + Σ (aₖ/k) sin kχ. There are neither proofs nor bounds. Series of rotations, which
+have sines, too, come from ``turn_integrals``.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from hjsolve.ensembles.engine.kernels.cycle_integrals import gathered, packed
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot, means
 from hjsolve.ensembles.engine.kernels.neighbours import solve
 from hjsolve.ensembles.engine.kernels.start_phase import anomaly, stretch
+from hjsolve.ensembles.engine.kernels.turn_integrals import Turns, phase_of_turn
 from hjsolve.ensembles.engine.kernels.types import BLOCK, Motions, Scratch, Side, Tables
 
 _STEPS_OF_A_BLOCK = 12  # of Newton's method for turning points; steps that have not settled then are told
@@ -37,21 +39,25 @@ class RunningSeries(NamedTuple):
 
     Attributes:
         means: ∂J/∂c, shape (separated, constants, n).
-        coefficients: aₖ/k, k = 1, 2, …, shape (separated, n, constants, nodes).
+        coefficients: aₖ/k, k = 1, 2, …, shape (separated, n, constants, nodes); of rotations Aₖ/k in the first half and
+            −Bₖ/k in the second, for Σ Aₖ cos kχ + Bₖ sin kχ.
         map, size: of the nodes, places in the tables, shape (separated, n).
+        turns: of a rotation the centre of its nodes in its sense, the ratio of ``turned_circle``, χ where angles begin,
+            and there the sums over the coefficients, shape (separated, 3 + constants, n); NaN for librations.
     """
 
     means: Reals
     coefficients: Reals
     map: Integers
     size: Integers
+    turns: Reals
 
 
 class PhaseScratch(NamedTuple):
     """What one orbit is worked out in.
 
     Attributes:
-        waves: sin kχ and k cos kχ, shape (2, nodes).
+        waves: sin kχ and k cos kχ, then cos kχ and −k sin kχ, shape (4, nodes).
         running: Σ (aₖ/k) sin kχ of all constants, shape (constants,).
         rates: ∂(running integrals)/∂φ, shape (separated, separated): constant, coordinate.
         matrix: scratch of the same shape.
@@ -182,31 +188,57 @@ def rough_integrals(
 
 
 @helper
-def _run_along(φ: Reals, orbit: RunningSeries, i: int, tables: Tables, work: PhaseScratch) -> None:
+def _phase(φ: float, orbit: RunningSeries, k: int, i: int, tables: Tables) -> tuple[float, float]:
+    """χ of a libration, and dχ/dφ."""
+    map_, turns = tables.maps[orbit.map[k, i]], 2.0 * np.pi * np.rint(φ / (2.0 * np.pi))
+    place = φ - turns
+    s, c = sincos(0.5 * abs(place))
+    χ = anomaly(s * s, c * c, map_, 1.0)
+    turn = 1.0 / np.sqrt(stretch(χ, s * s, c * c, map_, 1.0))
+    return turns + (χ if place >= 0.0 else -χ), turn
+
+
+@helper
+def _waves(χ: float, first: float, count: int, waves: Reals) -> None:
+    """Write sin kχ, k cos kχ, cos kχ and −k sin kχ for k = ``first``, 2 ``first``, …"""
+    s1, c1 = sincos(first * χ)
+    s, c = s1, c1
+    for p in range(count):
+        k = (p + 1) * first
+        waves[0, p], waves[1, p], waves[2, p], waves[3, p] = s, k * c, c, -k * s
+        s, c = s * c1 + c * s1, c * c1 - s * s1
+
+
+@helper
+def _run_along(φ: Reals, orbit: RunningSeries, i: int, tables: Tables, turns: Turns, work: PhaseScratch) -> None:
     """Leave χ, θ − χ, the running integrals and their rates at the phases of one orbit."""
-    size, constants = orbit.means.shape[0], orbit.means.shape[1]
+    size, constants, half = orbit.means.shape[0], orbit.means.shape[1], orbit.coefficients.shape[3] // 2
+    waves = work.waves
     for j in range(constants):
         work.running[j] = 0.0
     for k in range(size):
-        map_, n = tables.maps[orbit.map[k, i]], tables.counts[orbit.size[k, i]]
-        turns = 2.0 * np.pi * np.rint(φ[k] / (2.0 * np.pi))
-        place = φ[k] - turns
-        s, c = sincos(0.5 * abs(place))
-        χ = anomaly(s * s, c * c, map_, 1.0)
-        turn = 1.0 / np.sqrt(stretch(χ, s * s, c * c, map_, 1.0))  # dχ/dφ
-        χ = turns + (χ if place >= 0.0 else -χ)
-        symmetry, (sines, cosines) = map_[6], (work.waves[0], work.waves[1])
-        s1, c1 = sincos(symmetry * χ)
-        s, c = s1, c1
-        for p in range(n - 1):
-            sines[p], cosines[p] = s, (p + 1) * symmetry * c
-            s, c = s * c1 + c * s1, c * c1 - s * s1
-        work.rows[0, k] = χ
+        begin = orbit.turns[k, 2, i]
+        round_ = begin == begin
+        if round_:
+            map_ = turns.maps[orbit.map[k, i]]
+            χ, speed, _ = phase_of_turn(φ[k] - orbit.turns[k, 0, i], orbit.turns[k, 1, i], map_)
+            turn, terms = 1.0 / speed, turns.counts[orbit.size[k, i]] // 2 - 1
+            work.rows[0, k] = χ - begin
+            _waves(χ, 1.0, terms, waves)
+        else:
+            χ, turn = _phase(φ[k], orbit, k, i, tables)
+            terms = tables.counts[orbit.size[k, i]] - 1
+            work.rows[0, k] = χ
+            _waves(χ, tables.maps[orbit.map[k, i], 6], terms, waves)
         for j in range(constants):
             row = orbit.coefficients[k, i, j]
-            work.running[j] += dot(row, sines, n - 1)
+            work.running[j] += dot(row, waves[0], terms)
+            rate = orbit.means[k, j, i] + dot(row, waves[1], terms)
+            if round_:
+                work.running[j] += dot(row[half:], waves[2], terms) - orbit.turns[k, 3 + j, i]
+                rate += dot(row[half:], waves[3], terms)
             if j < size:
-                work.rates[j, k] = (orbit.means[k, j, i] + dot(row, cosines, n - 1)) * turn
+                work.rates[j, k] = rate * turn
     for j in range(size):
         work.rows[1, j] = work.running[j]
         for k in range(size):
@@ -215,14 +247,40 @@ def _run_along(φ: Reals, orbit: RunningSeries, i: int, tables: Tables, work: Ph
 
 
 @kernel
-def angles_of_series(φ: Reals, orbits: RunningSeries, tables: Tables, anomalies: Reals, advance: Reals, running: Reals,
-                     work: PhaseScratch) -> None:  # fmt: skip
+def begun_series(orbits: RunningSeries, which: Integers, opposite: Reals, k: int, turns: Turns, waves: Reals) -> None:
+    """Write χ where angles of rotations begin, and the sums over the coefficients there.
+
+    Args:
+        orbits: running integrals; ``turns`` has the centres and ratios.
+        which: of them go round.
+        opposite: places where their angles begin, less the centre, in the sense of the rotation; as long.
+        k: the coordinate.
+        turns: tables of nodes.
+        waves: scratch, shape (4, nodes).
+    """
+    half = orbits.coefficients.shape[3] // 2
+    for place in range(which.shape[0]):
+        i = which[place]
+        map_, terms = turns.maps[orbits.map[k, i]], turns.counts[orbits.size[k, i]] // 2 - 1
+        χ = 0.0  # opposite to the one slow place
+        if map_[5] == 2.0:
+            χ, _, _ = phase_of_turn(opposite[place], orbits.turns[k, 1, i], map_)
+        orbits.turns[k, 2, i] = χ
+        _waves(χ, 1.0, terms, waves)
+        for j in range(orbits.means.shape[1]):
+            row = orbits.coefficients[k, i, j]
+            orbits.turns[k, 3 + j, i] = dot(row, waves[0], terms) + dot(row[half:], waves[2], terms)
+
+
+@kernel
+def angles_of_series(φ: Reals, orbits: RunningSeries, tables: Tables, turns: Turns, anomalies: Reals, advance: Reals,
+                     running: Reals, work: PhaseScratch) -> None:  # fmt: skip
     """Work out angles at phases.
 
     Args:
         φ: phases, shape (separated, n).
         orbits: running integrals.
-        tables: of nodes.
+        tables, turns: of nodes, of librations and of rotations.
         anomalies, advance: filled with χ and θ − χ, of the same shape.
         running: filled with the running integrals less their mean growth, shape (constants, n).
         work: scratch.
@@ -231,7 +289,7 @@ def angles_of_series(φ: Reals, orbits: RunningSeries, tables: Tables, anomalies
     for i in range(φ.shape[1]):
         for k in range(φ.shape[0]):
             own[k] = φ[k, i]
-        _run_along(own, orbits, i, tables, work)
+        _run_along(own, orbits, i, tables, turns, work)
         for k in range(φ.shape[0]):
             anomalies[k, i], advance[k, i] = work.rows[0, k], work.rows[1, k]
         for j in range(running.shape[0]):
@@ -239,7 +297,7 @@ def angles_of_series(φ: Reals, orbits: RunningSeries, tables: Tables, anomalies
 
 
 @kernel
-def phases_of_series(θ: Reals, φ: Reals, orbits: RunningSeries, tables: Tables, curve: Reals, good: Mask,
+def phases_of_series(θ: Reals, φ: Reals, orbits: RunningSeries, tables: Tables, turns: Turns, curve: Reals, good: Mask,
                      work: PhaseScratch) -> None:  # fmt: skip
     """Find the phases at which angles are as given, by damped Newton's method.
 
@@ -247,7 +305,7 @@ def phases_of_series(θ: Reals, φ: Reals, orbits: RunningSeries, tables: Tables
         θ: angles, shape (separated, n).
         φ: phases to begin with; those that are found replace them.
         orbits: running integrals.
-        tables: of nodes.
+        tables, turns: of nodes, of librations and of rotations.
         curve: filled with the largest κ of rₖ₊₁ = κ rₖ² of the last full steps, at least 1, shape (n,).
         good: filled: which were found.
         work: scratch.
@@ -259,7 +317,7 @@ def phases_of_series(θ: Reals, φ: Reals, orbits: RunningSeries, tables: Tables
         for k in range(size):
             trial[k] = φ[k, i]
         for _ in range(_ROUNDS):
-            _run_along(trial, orbits, i, tables, work)
+            _run_along(trial, orbits, i, tables, turns, work)
             most = 0.0
             for k in range(size):
                 off = θ[k, i] - work.rows[0, k] - work.rows[1, k]

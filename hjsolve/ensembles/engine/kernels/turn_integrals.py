@@ -191,26 +191,34 @@ def _ruled(fill: MachineProgram, noise: Reals, results: Sums, i: int, place: tup
 
 
 @helper
-def _phase(left: float, direction: float, ratio: float, map_: Reals) -> tuple[float, float]:
-    """χ in (−π, π] of a place, and a bound on its error; the slow place is χ = π."""
-    turn = 2.0 * math.pi
-    here = direction * left
+def phase_of_turn(here: float, ratio: float, map_: Reals) -> tuple[float, float, float]:
+    """χ in (−π, π] of a place, dq/dχ there, and a bound on the error of χ; the slow place is χ = π.
+
+    Args:
+        here: how far it is from the centre, in the sense of the rotation.
+        ratio: m of the Möbius transformation where there are two slow places.
+        map_: a row of ``Turns.maps``.
+    """
+    turn, speed = 2.0 * math.pi, 2.0 * map_[2] / math.pi
     # to half a turn about the slow place, where p² is least and χ = π
     here -= turn * np.floor(here / turn + 0.5)
     bound, whole = 16.0 * EPS * math.pi**2 / (2.0 * map_[2] * map_[4]), 0.0
     if map_[5] == 2.0:
         s, c = sincos(0.5 * here)
         θ = 2.0 * math.atan2(s, ratio * c)
+        speed *= (s * s + (ratio * c) * (ratio * c)) / ratio
         bound *= 2.0 * max(ratio, 1.0 / ratio)
         here, whole = (2.0 * θ - math.pi, turn) if θ > 0.0 else (2.0 * θ + math.pi, 0.0)
     # half the angle from the place opposite to the slow one, where χ = 0: sine and cosine change places
     s, c = sincos(0.5 * here)
     sine, cosine = (-c if here > 0.0 else c), abs(s)
     χ = 2.0 * math.atan2(sine, cosine) if map_[3] == 1.0 else elliptic(sine, cosine, map_)
+    # dn² = cn² + k′² sn² (DLMF 22.6.1)
+    speed *= np.sqrt(cosine * cosine + map_[3] * sine * sine)
     if map_[5] == 2.0:
         χ = 0.5 * (χ + whole + (turn if here > 0.0 else 0.0))
         χ = χ - turn if χ > math.pi else χ
-    return χ, bound
+    return χ, speed, bound
 
 
 @helper
@@ -250,13 +258,13 @@ def _timed(fill: MachineProgram, motions: Rounds, i: int, place: tuple[int, int,
     """Write the phase of the start, and the running integrals up to it less their mean growth."""
     (m, size, n), weights, kernels = place, work.rows[0], work.noise.shape[0] - 1
     direction, ratio, map_ = motions.direction[i], motions.ratio[i], tables.maps[m]
-    χ, bound = _phase(motions.left[i], direction, ratio, map_)
+    χ, _, bound = phase_of_turn(direction * motions.left[i], ratio, map_)
     begin = 0.0
     _interpolation(weights, χ, n)
     for k in range(kernels):
         results.speeds[k, i] = dot(fill.registers[fill.outputs[3 + k]], weights, n)
     if map_[5] == 2.0:  # angles begin opposite to the slower place, where χ is not zero
-        begin, more = _phase(motions.opposite[i], direction, ratio, map_)
+        begin, _, more = phase_of_turn(direction * motions.opposite[i], ratio, map_)
         bound += more
     weights[:n] = 0.0
     _running(weights, χ, 1.0, n, tables.circle[size])
@@ -264,6 +272,36 @@ def _timed(fill: MachineProgram, motions: Rounds, i: int, place: tuple[int, int,
     for k in range(kernels):
         results.oscillations[k, i] = 2.0 / n * dot(fill.registers[fill.outputs[3 + k]], weights, n)
     results.phase[i], results.phase_error[i] = χ - begin, bound
+
+
+@helper
+def _resolved(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int, tables: Turns, modes: Modes,
+              results: Sums, work: TurnScratch, finely: bool) -> bool:  # fmt: skip
+    """Write the integrals of one orbit by the first size that is enough, and that size; return whether one is."""
+    sizes, m, size = tables.counts.shape[0], motions.map[i], motions.least[i]
+    widest = 0.5 * tables.counts[sizes - 1]
+    for _ in range(_MOST_MAPS):
+        if size < 0 or size >= sizes:
+            break
+        n = tables.counts[size]
+        _nodes(fill, errors, motions, i, (m, size, n), tables, finely, modes.approximate)
+        more = float(n)
+        if _positive(fill.registers[fill.outputs[2]], n):
+            if modes.approximate:
+                work.noise[:] = 0.0
+            else:
+                _noise(fill, errors, n, work.noise)
+            more = _ruled(fill, work.noise, results, i, (size, n), tables, modes)
+        if more < 0.0:
+            results.good[i], results.chosen[0, i], results.chosen[1, i] = True, size, m
+            return True
+        # the number is an estimate: the widest rule is tried before the orbit is left to others
+        if more > widest and more < _HOPELESS * widest:
+            more = widest
+        size += 1
+        while size < sizes and 0.5 * tables.counts[size] < more:
+            size += 1
+    return False
 
 
 @kernel
@@ -280,30 +318,46 @@ def rotations(fill: MachineProgram, errors: MachineProgram, motions: Rounds, tab
         work: scratch.
         finely: whether F comes from 32 digits at distances from the centre.
     """
-    sizes = tables.counts.shape[0]
-    widest = 0.5 * tables.counts[sizes - 1]
     for i in range(motions.centre.shape[0]):
-        m, size = motions.map[i], motions.least[i]
-        for _ in range(_MOST_MAPS):
-            if size < 0 or size >= sizes:
-                break
+        if _resolved(fill, errors, motions, i, tables, modes, results, work, finely) and modes.oscillations:
+            size = results.chosen[0, i]
+            _timed(fill, motions, i, (motions.map[i], size, tables.counts[size]), tables, results, work)
+
+
+@helper
+def _waves(row: Reals, n: int, circle: Reals, coefficients: Reals) -> None:
+    """Write Aₖ/k and −Bₖ/k, k < n/2, of one integrand Σ Aₖ cos kχ + Bₖ sin kχ, from its values at the nodes."""
+    half, terms = n // 2, coefficients.shape[0] // 2
+    sines, cosines = circle[0], circle[1]
+    for k in range(1, half):
+        even, odd, place, step = 0.0, 0.0, k, 2 * k
+        for j in range(half):  # χ of the other half is 2π − χ
+            even += (row[j] + row[n - 1 - j]) * cosines[place]
+            odd += (row[j] - row[n - 1 - j]) * sines[place]
+            place += step
+            place = place - 2 * n if place >= 2 * n else place
+        factor = 2.0 / (n * k)
+        coefficients[k - 1], coefficients[terms + k - 1] = factor * even, -factor * odd
+
+
+@kernel
+def series_of_turns(fill: MachineProgram, errors: MachineProgram, motions: Rounds, tables: Turns, modes: Modes,
+                    results: Sums, work: TurnScratch, coefficients: Reals) -> None:  # fmt: skip
+    """Integrate one coordinate of many orbits that go round, with the series of its running integrals.
+
+    Args:
+        fill, errors: programs of the nodes, and of bounds on errors there, wide enough for all nodes of an orbit.
+        motions: of n orbits.
+        tables: of nodes.
+        modes: what is wanted.
+        results: arrays filled here; ``good`` only where the nodes sufficed, and the series has a place.
+        work: scratch.
+        coefficients: filled, Aₖ/k in the first half and −Bₖ/k in the second, shape (n, constants, 2 terms).
+    """
+    for i in range(motions.centre.shape[0]):
+        if _resolved(fill, errors, motions, i, tables, modes, results, work, False):
+            size = results.chosen[0, i]
             n = tables.counts[size]
-            _nodes(fill, errors, motions, i, (m, size, n), tables, finely, modes.approximate)
-            more = float(n)
-            if _positive(fill.registers[fill.outputs[2]], n):
-                if modes.approximate:
-                    work.noise[:] = 0.0
-                else:
-                    _noise(fill, errors, n, work.noise)
-                more = _ruled(fill, work.noise, results, i, (size, n), tables, modes)
-            if more < 0.0:
-                results.good[i], results.chosen[0, i], results.chosen[1, i] = True, size, m
-                if modes.oscillations:
-                    _timed(fill, motions, i, (m, size, n), tables, results, work)
-                break
-            # the number is an estimate: the widest rule is tried before the orbit is left to others
-            if more > widest and more < _HOPELESS * widest:
-                more = widest
-            size += 1
-            while size < sizes and 0.5 * tables.counts[size] < more:
-                size += 1
+            results.good[i] = n <= coefficients.shape[2]
+            for k in range(coefficients.shape[1] if results.good[i] else 0):
+                _waves(fill.registers[fill.outputs[3 + k]], n, tables.circle[size], coefficients[i, k])
