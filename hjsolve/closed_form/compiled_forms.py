@@ -14,6 +14,7 @@ from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import CurveForArrays, FormulasForArrays, RootsOfPolynomial, Solved, roots_of
 from hjsolve.closed_form.evaluation import magnitude
+from hjsolve.closed_form.lost_digits import FormInTwoDoubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import curves_held, root_values
@@ -250,6 +251,14 @@ class CompiledForm:
         return needed_names(self.roots, where)[0] if self.roots else {}
 
     @cached_property
+    def in_two_doubles(self) -> FormInTwoDoubles | None:
+        """The form for two doubles; None where it has no numbers there."""
+        try:
+            return FormInTwoDoubles(self.expression, self.where, self.symbols, self.regime.root)
+        except InvalidInputError:
+            return None
+
+    @cached_property
     def in_many_digits(self) -> CompiledForm:
         """The same for numbers of mpmath, which do not overflow."""
         return CompiledForm(self.regime.many_digits, self.as_derived)
@@ -310,8 +319,20 @@ class CompiledForm:
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
             for k in np.flatnonzero(good & (unsure | doubtful)):
                 result[k] = float(self.one([float(a[k]) for a in places]))
+            self._where_digits_are_lost(result, table, solved)
         self._not_finite(result, good, places)
         return result
+
+    def _where_digits_are_lost(self, result: Reals, table: Mapping[sp.Symbol, Reals], solved: Solved) -> None:
+        """Work out again, in two doubles, what doubles lose."""
+        import numpy as np
+
+        if self.in_two_doubles is None:
+            return
+        kept = np.flatnonzero(self.in_two_doubles.lost(table, result, solved))
+        if len(kept):
+            again = self.in_two_doubles.again({s: a[kept] for s, a in table.items()}, (len(kept),), Solved())
+            result[kept] = np.where(np.isfinite(again), again, result[kept])
 
     def _not_finite(self, result: Reals, good: Mask, places: Sequence[Reals]) -> None:
         """Work out again what is not finite: cosh 800 in doubles, or √(1 − x²) where rounding left x above 1."""
