@@ -16,17 +16,17 @@ from hjsolve.arithmetic.double_double import pair_abs, pair_add, pair_atan, pair
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Elementwise, Mask, Reals
 
-_MOST_DUPLICATIONS = 80
+MOST_DUPLICATIONS = 80
 """Each divides the spread of the arguments by four."""
-_LAST_SPREAD = 1e-5
+LAST_SPREAD = 1e-5
 """Of the arguments by their mean, at which Carlson's series takes over: its sixth power is what is left out."""
-_LAST_SPREAD_OF_RC = 3e-5
+LAST_SPREAD_OF_RC = 3e-5
 """Likewise of R_C, whose series goes to the seventh power."""
 _EQUAL_MEANS = 2.0**-100
 """Of themselves, how far the two means are apart at the end."""
 _MOST_MEANS = 16
 """Steps of the means, each of which doubles the digits."""
-_OF_RC = 0.3, 1 / 7, 0.375, 9 / 22, 159 / 208, 9 / 8
+OF_RC = 0.3, 1 / 7, 0.375, 9 / 22, 159 / 208, 9 / 8
 """Coefficients of s² … s⁷ (Carlson 1995, (2.16))."""
 
 
@@ -122,9 +122,9 @@ def _duplicated(
     A: TwoDoubles, arguments: Sequence[TwoDoubles], term: Term | None = None
 ) -> tuple[Sequence[TwoDoubles], TwoDoubles, Reals, TwoDoubles]:
     """Replace each x by (x + λ)/4 until all are near their mean, as ``carlson.duplicated`` does in doubles."""
-    bound = np.max([abs((A - x).high) for x in arguments], axis=0) / _LAST_SPREAD
+    bound = np.max([abs((A - x).high) for x in arguments], axis=0) / LAST_SPREAD
     weight, total = np.ones_like(bound), TwoDoubles(np.zeros_like(bound), np.zeros_like(bound))
-    for _ in range(_MOST_DUPLICATIONS):
+    for _ in range(MOST_DUPLICATIONS):
         open_ = bound > abs(A.high)
         if not open_.any():
             break
@@ -160,8 +160,8 @@ def rc(x: TwoDoubles, y: TwoDoubles) -> TwoDoubles:
     factor = either(below, (x / (x - y)).root(), TwoDoubles(1.0, 0.0))
     x, y = either(below, x - y, x), y.size()
     A = (x + y + y) / 3.0
-    bound = abs((y - A).high) / _LAST_SPREAD_OF_RC
-    for _ in range(_MOST_DUPLICATIONS):
+    bound = abs((y - A).high) / LAST_SPREAD_OF_RC
+    for _ in range(MOST_DUPLICATIONS):
         open_ = bound > abs(A.high)
         if not open_.any():
             break
@@ -171,7 +171,7 @@ def rc(x: TwoDoubles, y: TwoDoubles) -> TwoDoubles:
             (x + λ).scaled(quarter), (y + λ).scaled(quarter), (A + λ).scaled(quarter), bound * quarter
         )  # fmt: skip
     s, rest = ((y - A) / A).high, 0.0
-    for c in reversed(_OF_RC):
+    for c in reversed(OF_RC):
         rest = rest * s + c
     return _inside(factor * (1.0 + as_two_doubles(rest * s * s)) / A.root(), given)
 

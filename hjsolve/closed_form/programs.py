@@ -18,7 +18,9 @@ from hjsolve.arithmetic.number_types import Mask
 from hjsolve.arithmetic.tape import UNARY, Arithmetic
 from hjsolve.errors import InvalidInputError
 
-_UNARY = {getattr(sp, name.capitalize() if name == "abs" else name): name for name in UNARY if name not in {"neg", "sqrt"}}
+_UNARY = {
+    getattr(sp, name.capitalize() if name == "abs" else name): name for name in UNARY if name not in {"neg", "sqrt"}
+}
 _ELLIPTIC = frozenset({
     "CarlsonRF", "CarlsonRC", "CarlsonRD", "CarlsonRJ", "CarlsonRCRe", "CarlsonRCIm", "CarlsonRJRe", "CarlsonRJIm",
     "JacobiAM", "JacobiSN", "JacobiCN", "JacobiDN", "JacobiEpsilon",

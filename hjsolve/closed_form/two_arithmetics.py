@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.carlson_complex_pairs import part_at_a_complex_pole
 from hjsolve.arithmetic.carlson_pairs import PI, TwoDoubles, arctan, arcsin, elliptic_function
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
@@ -150,6 +151,8 @@ class PairsOfForms(DoubleDouble):
 
     def elliptic(self, name: str, *arguments: Pair) -> Pair:
         """Return an elliptic function."""
+        if name.endswith(("Re", "Im")):
+            return _pair(part_at_a_complex_pole(name, *(TwoDoubles(*a) for a in arguments)))
         return elliptic_function(name, *arguments)
 
 
