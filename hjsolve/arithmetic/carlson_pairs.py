@@ -1,6 +1,6 @@
 """Carlson's, Legendre's and Jacobi's elliptic functions in two doubles, elementwise over arrays.
 
-The same formulas as in ``carlson``, for what doubles lose: about 25 digits are right. What is outside the domain is nan.
+The same formulas as in ``carlson``, for what doubles lose: about 25 digits are right. Outside its domain a value is nan.
 A function takes and returns ``Pair``; of the functions of Jacobi u is the argument and m the parameter k².
 """
 
@@ -150,7 +150,9 @@ def rf(x: TwoDoubles, y: TwoDoubles, z: TwoDoubles) -> TwoDoubles:
     (x, y, z), A, _, _ = _duplicated((x + y + z) / 3.0, given)
     X, Y = ((A - x) / A).high, ((A - y) / A).high
     second, third = X * Y - (X + Y) ** 2, -X * Y * (X + Y)
-    return _inside((1.0 + as_two_doubles(second * (second / 24 - 0.1 - 3 * third / 44) + third / 14)) / A.root(), *given)
+    return _inside(
+        (1.0 + as_two_doubles(second * (second / 24 - 0.1 - 3 * third / 44) + third / 14)) / A.root(), *given
+    )
 
 
 def rc(x: TwoDoubles, y: TwoDoubles) -> TwoDoubles:

@@ -1,4 +1,4 @@
-"""Where a form loses digits in doubles: it is worked out again there in two doubles, from its constants and roots on."""
+"""Where a form loses digits in doubles: it is worked out again in two doubles, from its constants and roots on."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _root(roots: RootsOfPolynomial, table: Mapping[sp.Symbol, Reals], near: Real
     x = Pair(near, np.zeros(near.shape))
     for _ in range(_STEPS):
         value, slope = (
-            reduce(lambda total, c: _PAIRS.add(_PAIRS.mul(total, x), c), row)  # noqa: B023
+            reduce(lambda total, c: _PAIRS.add(_PAIRS.mul(total, x), c), row)
             for row in (coefficients, slopes)
         )
         x = _PAIRS.sub(x, _PAIRS.div(value, slope))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.carlson_complex_pairs import part_at_a_complex_pole
-from hjsolve.arithmetic.carlson_pairs import PI, TwoDoubles, arctan, arcsin, elliptic_function
+from hjsolve.arithmetic.carlson_pairs import PI, TwoDoubles, arcsin, arctan, elliptic_function
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Float64
