@@ -1,6 +1,6 @@
 """Carlson's, Legendre's and Jacobi's elliptic functions in two doubles, elementwise over arrays.
 
-The same formulas as in ``carlson``, for what doubles lose: about 25 digits are right. Outside its domain a value is nan.
+The formulas of ``carlson``, for what doubles lose: about 25 digits are right. What is outside the domain is nan.
 A function takes and returns ``Pair``; of the functions of Jacobi u is the argument and m the parameter k².
 """
 
@@ -80,7 +80,7 @@ class TwoDoubles:
         return TwoDoubles(*pair_sqrt(self.high, self.low))
 
 
-def as_two_doubles(x: TwoDoubles | float) -> TwoDoubles:
+def as_two_doubles(x: TwoDoubles | Elementwise) -> TwoDoubles:
     """Return a number of either kind as two doubles."""
     return x if isinstance(x, TwoDoubles) else TwoDoubles(x)
 

@@ -314,7 +314,7 @@ class CompiledForm:
             named, doubtful = self._names(table, (count,), solved)
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
             for k in np.flatnonzero(good & (unsure | doubtful)):
-                result[k] = self._in_digits_enough(places, k)
+                result[k] = self._in_digits_enough([float(a[k]) for a in places])
                 good[k] = not np.isnan(result[k])
             self._where_digits_are_lost(result, ~unsure & ~doubtful, table, solved)
         self._not_finite(result, good, places)
@@ -338,12 +338,12 @@ class CompiledForm:
         import numpy as np
 
         for k in np.flatnonzero(good & ~np.isfinite(result)):
-            value = self._in_digits_enough(places, k)
+            value = self._in_digits_enough([float(a[k]) for a in places])
             result[k] = result[k] if np.isnan(value) else value
 
-    def _in_digits_enough(self, places: Sequence[Reals], k: int) -> float:
+    def _in_digits_enough(self, numbers: Sequence[float]) -> float:
         """Return one element in many digits; nan where it is of another regime, or not real, or in no digits finite."""
-        given = dict(zip(self.symbols, (mp.mpf(float(a[k])) for a in places), strict=True))
+        given = dict(zip(self.symbols, map(mp.mpf, numbers), strict=True))
         value = next((v for d in _DIGITS_BEYOND_DOUBLES if mp.isfinite(v := self._at_digits(given, d))), None)
         return float(value) if value is not None and mp.im(value) == 0 else math.nan
 

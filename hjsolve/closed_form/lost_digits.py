@@ -97,8 +97,7 @@ def _root(roots: RootsOfPolynomial, table: Mapping[sp.Symbol, Reals], near: Real
     x = Pair(near, np.zeros(near.shape))
     for _ in range(_STEPS):
         value, slope = (
-            reduce(lambda total, c: _PAIRS.add(_PAIRS.mul(total, x), c), row)
-            for row in (coefficients, slopes)
+            reduce(lambda total, c: _PAIRS.add(_PAIRS.mul(total, x), c), row) for row in (coefficients, slopes)
         )
         x = _PAIRS.sub(x, _PAIRS.div(value, slope))
     return x
