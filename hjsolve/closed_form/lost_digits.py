@@ -20,7 +20,7 @@ from hjsolve.errors import InvalidInputError
 
 _FEW = 32
 """Units of the last place, by the bound, up to which a form is as good in doubles."""
-_STEPS = 3
+_NEWTON_STEPS = 3
 """Of Newton's rule to a root in two doubles: the double next to it is known, and each step doubles the digits."""
 _PAIRS = DoubleDouble()
 
@@ -95,7 +95,7 @@ def _root(roots: RootsOfPolynomial, table: Mapping[sp.Symbol, Reals], near: Real
     degree = len(coefficients) - 1
     slopes = [_PAIRS.mul(c, _PAIRS.rational(degree - k, 1)) for k, c in enumerate(coefficients[:-1])]
     x = Pair(near, np.zeros(near.shape))
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         value, slope = (
             reduce(lambda total, c: _PAIRS.add(_PAIRS.mul(total, x), c), row) for row in (coefficients, slopes)
         )

@@ -211,7 +211,7 @@ class Program:
             if isinstance(c, sp.StrictGreaterThan | sp.StrictLessThan):
                 return self._emit("positive", [more])
             return self._emit("Not", [self._emit("positive", [self._emit("neg", [more])])])
-        raise InvalidInputError(f"{c} is no condition that is known in two doubles")
+        raise InvalidInputError(f"two doubles do not decide {c}")
 
 
 def _plain(a: ArithmeticOfForms, step: _Step, values: Sequence[Any]) -> Any:
