@@ -23,8 +23,10 @@ FAR = 100
 """Units of the last place that a form in doubles may be off, at condition 1."""
 JUDGED = 3
 """Differences of one number that are worked out again in many digits, the worst first."""
-_DIGITS = 25
-"""Of a form that is worked out again."""
+_DIGITS = 25, 60, 120
+"""Of a form that is worked out again: at E of 1e-72 all of the first are lost, and the form says so by its error."""
+_KNOWN = 1e-18
+"""Of itself, how far the form may be off by what it says, before more digits are taken."""
 _STEPS = 1e-6, 1e-9, 1e-12
 """Of a relative change that the condition is worked out by: the square root of what a form loses, and less where both
 sides are of another regime, as next to a separatrix; with the last one 4 500 units by the condition still show."""
@@ -242,4 +244,8 @@ def in_many_digits(form: RegimeForms, name: str, numbers: Mapping[str, float | s
     names = {s.name for s in (*form.regime.example, *needed)}
     held = {n: exact(v) if isinstance(v, float) else v for n, v in numbers.items() if n in names}
     held = {n: sp.S.Zero for n in names if n.startswith("beta_")} | held
-    return float(form.evaluate(name, {n: str(v) for n, v in held.items()}, _DIGITS).value)
+    for digits in _DIGITS:
+        found = form.evaluate(name, {n: str(v) for n, v in held.items()}, digits)
+        if found.error <= _KNOWN * abs(found.value):
+            break
+    return float(found.value)

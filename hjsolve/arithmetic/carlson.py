@@ -144,11 +144,20 @@ def series(X: Elementwise, Y: Elementwise, Z: Elementwise, P: Elementwise) -> El
     Args:
         X, Y, Z, P: (A − x)/A … (A − p)/A, their weighted sum X + Y + Z + 2P = 0.
     """
+    return 1 + series_beyond_one(X, Y, Z, P)
+
+
+def series_beyond_one(X: Elementwise, Y: Elementwise, Z: Elementwise, P: Elementwise) -> Elementwise:
+    """Return the series without its first term, 1, as two doubles need it.
+
+    Args:
+        X, Y, Z, P: as of ``series``.
+    """
     E2 = X * Y + X * Z + Y * Z - 3 * P * P
     E3 = X * Y * Z + 2 * E2 * P + 4 * P**3
     E4 = (2 * X * Y * Z + E2 * P + 3 * P**3) * P
     E5 = X * Y * Z * P * P
-    return 1 - 3 * E2 / 14 + E3 / 6 + 9 * E2 * E2 / 88 - 3 * E4 / 22 - 9 * E2 * E3 / 52 + 3 * E5 / 26
+    return E3 / 6 - 3 * E2 / 14 + 9 * E2 * E2 / 88 - 3 * E4 / 22 - 9 * E2 * E3 / 52 + 3 * E5 / 26
 
 
 # ------------------------------------------------------------------------------------------------ Jacobi's functions

@@ -14,6 +14,7 @@ from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import CurveForArrays, FormulasForArrays, RootsOfPolynomial, Solved, roots_of
 from hjsolve.closed_form.evaluation import magnitude
+from hjsolve.closed_form.lost_digits import FormInTwoDoubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import curves_held, root_values
@@ -26,8 +27,8 @@ from hjsolve.precision import for_the_user, mp, users_precision
 
 _SPECIAL = 1e-12
 """Of the terms, how far a constant may be off its special value: both are doubles. E = 0 is 0, in any unit."""
-_DIGITS_BEYOND_DOUBLES = 30, 120, 480
-"""Of what is not finite in doubles, nor in fewer digits: roots may be 1e90 apart where E is nearly 0."""
+_DIGITS_BEYOND_DOUBLES = 50, 120, 480
+"""Of what is next to a border or not finite in doubles, nor in fewer digits: roots of a small E may be 1e90 apart."""
 _BLOCK = 16384
 """Elements worked on together: coefficients and roots of so many polynomials stay in the processor's cache."""
 _Compiled = Callable[..., Any]
@@ -250,6 +251,14 @@ class CompiledForm:
         return needed_names(self.roots, where)[0] if self.roots else {}
 
     @cached_property
+    def in_two_doubles(self) -> FormInTwoDoubles | None:
+        """The form for two doubles; None where it has no numbers there."""
+        try:
+            return FormInTwoDoubles(self.expression, self.where, self.symbols, self.regime.root)
+        except InvalidInputError:
+            return None
+
+    @cached_property
     def in_many_digits(self) -> CompiledForm:
         """The same for numbers of mpmath, which do not overflow."""
         return CompiledForm(self.regime.many_digits, self.as_derived)
@@ -274,11 +283,7 @@ class CompiledForm:
             exact = {s: sp.sympify(v) for s, v in given.items()}
             table = root_values(self.form, exact, mp.dps + 5, self.roots)
             numbers = [*numbers, *(table[s] for s in self.roots)]
-        if not self.regime.numpy:
-            return self.plain(*map(mp.mpmathify, numbers))
-        import numpy as np  # whose numbers divide by zero in a case that is not taken
-
-        return self.plain(*map(np.float64, numbers))
+        return self.plain(*map(mp.mpmathify, numbers))
 
     def arrays(self, given: Mapping[str, object]) -> Reals | float:
         """At arrays of doubles; nan outside the regime."""
@@ -309,19 +314,38 @@ class CompiledForm:
             named, doubtful = self._names(table, (count,), solved)
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
             for k in np.flatnonzero(good & (unsure | doubtful)):
-                result[k] = float(self.one([float(a[k]) for a in places]))
+                result[k] = self._in_digits_enough([float(a[k]) for a in places])
+                good[k] = not np.isnan(result[k])
+            self._where_digits_are_lost(result, ~unsure & ~doubtful, table, solved)
         self._not_finite(result, good, places)
         return result
+
+    def _where_digits_are_lost(
+        self, result: Reals, certain: Mask, table: Mapping[sp.Symbol, Reals], solved: Solved
+    ) -> None:  # fmt: skip
+        """Work out again, in two doubles, what doubles lose; what is not certain has been in many digits."""
+        import numpy as np
+
+        if self.in_two_doubles is None:
+            return
+        kept = np.flatnonzero(certain & self.in_two_doubles.lost(table, result, solved))
+        if len(kept):
+            again = self.in_two_doubles.again({s: a[kept] for s, a in table.items()}, (len(kept),), Solved())
+            result[kept] = np.where(np.isfinite(again), again, result[kept])
 
     def _not_finite(self, result: Reals, good: Mask, places: Sequence[Reals]) -> None:
         """Work out again what is not finite: cosh 800 in doubles, or √(1 − x²) where rounding left x above 1."""
         import numpy as np
 
         for k in np.flatnonzero(good & ~np.isfinite(result)):
-            given = dict(zip(self.symbols, (mp.mpf(float(a[k])) for a in places), strict=True))
-            value = next((v for d in _DIGITS_BEYOND_DOUBLES if mp.isfinite(v := self._at_digits(given, d))), None)
-            if value is not None:
-                result[k] = float(value) if mp.im(value) == 0 else np.nan
+            value = self._in_digits_enough([float(a[k]) for a in places])
+            result[k] = result[k] if np.isnan(value) else value
+
+    def _in_digits_enough(self, numbers: Sequence[float]) -> float:
+        """Return one element in many digits; nan where it is of another regime, or not real, or in no digits finite."""
+        given = dict(zip(self.symbols, map(mp.mpf, numbers), strict=True))
+        value = next((v for d in _DIGITS_BEYOND_DOUBLES if mp.isfinite(v := self._at_digits(given, d))), None)
+        return float(value) if value is not None and mp.im(value) == 0 else math.nan
 
     def _at_digits(self, given: Mapping[sp.Symbol, Mpf], digits: int) -> Mpf:
         """Return the form in so many digits; infinite at a pole."""
