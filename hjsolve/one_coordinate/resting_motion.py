@@ -85,7 +85,7 @@ class AtRest(KindOfMotion):
 
     def rate(self, j: int, χ: Numbers) -> Numbers:
         rate: Elementwise = float(self.rates[j]) if χ.dtype == float else self.rates[j]
-        # constant, in the shape and the numbers of χ
+        # constant, as an array like χ
         return rate + 0 * χ
 
     def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
