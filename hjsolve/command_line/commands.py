@@ -5,6 +5,7 @@ Every command takes ``options``, the parsed arguments, and returns the exit stat
 
 from __future__ import annotations
 
+import sys
 from argparse import Namespace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -333,10 +334,26 @@ def completion_command(options: Namespace) -> int:
 
 
 def sweep_command(options: Namespace) -> int:
-    """Compute the orbits that a scene declares into a folder."""
-    from hjsolve.command_line.sweep import run_sweep
+    """Compute the orbits that a scene declares into a folder, and print one line about what was written."""
+    from hjsolve.display.first_lines import few_lines
+    from hjsolve.sweeps.conduct import sweep
 
-    return run_sweep(options)
+    out = options.output
+    try:
+        done = sweep(
+            options.scene, out, threads=options.threads, scheduler=options.scheduler, chunk=options.chunk,
+            shown=False if options.quiet else None, verify=options.verify,
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        print(f"hjsolve: interrupted; what is in {out} stays; rerun the same command to resume", file=sys.stderr)
+        return INTERRUPTED
+    if done.notes:
+        print(f"hjsolve: {few_lines(done.notes)}", file=sys.stderr)
+    counts = ", ".join(f"{number} {word}" for word, number in done.statuses.items())
+    before = f", {done.kept} of them by an earlier run" if done.kept and not options.verify else ""
+    verb = "verified" if options.verify else "wrote"
+    print(f"{verb} {done.path}: {done.orbits} orbits in {done.parts} files{before}; {counts}")
+    return ANSWER
 
 
 def catalog_command(options: Namespace) -> int:

@@ -96,6 +96,7 @@ def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, B
     """
     refuse_unfit(motion)
     work = work_bits(digits)
+    # doubled six times, 79 bits become 5 000; the attempt after these says what is wrong
     for _ in range(6):
         try:
             with working(work):
@@ -129,6 +130,7 @@ def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, BallMomen
     cycles = {name: cycle_of(motion, name, line) for name, line in known.items()}
     constants = {name: exact_ball(value) for name, value in motion.initial.constants.items()}
     bits = bits_for(digits, 12)
+    # all means of a coordinate in one pass: they share the nodes, and the bound on the strip
     found = {n: dict(zip(f.wanted, certified_means(f, bits), strict=True)) for n, f in cycles.items() if f.wanted}
     count = len(motion.solution.constants)
     growths = {n: [row.get(j, flint.arb(0)) for j in range(count)] for n, row in found.items()}
@@ -156,6 +158,7 @@ def rounded(
     def estimates(values: Mapping[str, flint.arb]) -> dict[str, Estimate]:
         return {key: estimate(value, digits) for key, value in values.items()}
 
+    # a ball that holds 0 has no proved period
     periods = {n: 2 * flint.arb.pi() / abs(f) for n, f in frequencies.items() if not f.contains(0)}
     pairs = {n: (estimate(a, digits), estimate(b, digits)) for n, (a, b) in ends.items()}
     return Enclosed(estimates(constants), pairs, estimates(actions), estimates(frequencies), estimates(periods))
@@ -184,6 +187,7 @@ def proved_libration(
     context = multiprecision(64)
     ends = [end_of(ray(begin, side), wall.inside, wall.outside) for side, wall in zip((-1, 1), found, strict=True)]
     a, b = (to_mpf(wall.guess, 128) for wall in found)
+    # the plain cosine map: it is only asked for its turning points, which balls prove again
     anomaly = Libration(a, b - a, b, context.zero, context.zero, context.one, context.pi / 2)
     empty = [zero() for _ in begin.skipped]
     return Located(Periodic("libration", anomaly, empty, zero(), None, context.zero, begin.radicand), *ends)
@@ -202,13 +206,16 @@ def cycle_of(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> C
     coordinate_motion = required(coordinate_motion)
     anomaly = coordinate_motion.anomaly
     F = solution.momentum_squared[name]
+    # ∂p²/∂αⱼ = 0 otherwise: no integral, and a proved zero
     held = [j for j, c in enumerate(solution.constants.values()) if c.symbol in F.free_symbols]
     wanted = tuple(held) if "time" in motion.parts else ()
+    # the mean of a shift A over a turn is not enclosed yet; over a libration ∮ A dq = 0
     wanted += (-1,) if "action" in motion.parts and (anomaly.even or solution.shift[name] == 0) else ()
     q = solution.system.coordinate(name).symbol
     if not anomaly.even:
         slow = from_mpf(anomaly.slow) if isinstance(anomaly, Rotation) else flint.arb(0)
         centre = _centre(F, q, slow, turns=True)
+        # p² even about a centre and periodic: half a turn has every value, so half of the nodes do
         symmetry = 1 if centre is None else 2
         slow = slow if centre is None else centre
         return CycleIntegrand(line, None, None, slow, wanted, spread=_spread_round(anomaly), symmetry=symmetry)
@@ -217,6 +224,7 @@ def cycle_of(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> C
     mirrored = centre is not None and a < centre < b  # p² > 0 between: what is mirrored is the same region
     below = _near(line, a, b - a)
     near = (below, below if mirrored else _near(line, b, a - b))
+    # the next zero or pole is a width away, or more: the cosine map has a wide strip already
     spread = between_turns(*near) if max(near) > 1 else None
     return CycleIntegrand(
         line, a, b, flint.arb(0), wanted, spread=spread, near=max(near), symmetry=4 if mirrored else 2
@@ -228,6 +236,7 @@ def _near(line: BallMomentumSquared, end: flint.arb, inward: flint.arb) -> float
 
     W|R′/R|.
     """
+    # p² = s δ + h δ² about an end: R′/R = h/s + 1/W there, W counted inward
     _, slope, half = line.taylor(end, 3)
     return abs(float((inward * half / slope).mid()) + 1)
 
@@ -278,6 +287,7 @@ def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[flint.arb]]
     n = len(names)
     if n == 0:
         return {}
+    # growthᵢⱼ = ∂Jᵢ/∂αⱼ, and E is the first constant: ∂E/∂J stands in a column of the inverse of the transpose
     matrix = flint.arb_mat([[growths[i][j] for i in names] for j in range(n)])
     rates = [matrix.inv()[k, 0] for k in range(n)]
     result = {}
@@ -285,6 +295,7 @@ def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[flint.arb]]
         if c.name in names:
             direction = motion.located[c.name].coordinate_motion.direction
             result[c.name] = direction * rates[names.index(c.name)]
+        # E(J, p_φ) at constant J: ∂E/∂p_φ = −Σ Ωᵢ ∂Jᵢ/∂p_φ
         elif c.domain.kind == "angle":
             j = list(motion.solution.constants).index(c.momentum.name)
             result[c.name] = -sum((rate * growths[i][j] for rate, i in zip(rates, names, strict=True)), flint.arb(0))
@@ -302,6 +313,7 @@ def estimate(value: flint.arb, digits: int) -> Estimate:
     """
     middle = value.mid()
     if digits <= 15:
+        # the radius and the rounding of the centre at once, in balls: an upper bound of both
         approximate = float(middle)
         number: float | Mpf = approximate
         error: float | Mpf = float((value - flint.arb(approximate)).abs_upper()) * (1 + 2.0**-50)

@@ -60,6 +60,7 @@ def others(start: CoordinateStart, lower: End, upper: End, digits: int) -> list[
         lower, upper: ends of the region the motion is in.
         digits: relative digits wanted of their ends.
     """
+    # p² > 0 all round: there is no other region
     if "round" in (lower.kind, upper.kind):
         return []
     if start.angle:
@@ -98,10 +99,12 @@ def _along(
     """Regions from an end outward; for an angle, up to the first region itself a turn later (``last``)."""
     found: list[AllowedRegion] = []
     while end.place is not None and end.kind != "boundary" and len(found) < most:
+        # the gap is a region of −p²: the search for its end is the same as for a motion's
         if not _adjoins(start, end):
             end = first_end(ray(_at(start, end, negated=True), side), digits=digits)
         if end.place is None or end.kind == "boundary" or (last is not None and _passed(end, last)):
             break
+        # a double zero with p² < 0 on both sides is a region of one place
         rests = end.kind == "asymptote" and not _adjoins(start, end)
         far = end if rests else first_end(ray(_at(start, end), side), digits=digits)
         found.append(AllowedRegion(end, far) if side > 0 else AllowedRegion(far, end))

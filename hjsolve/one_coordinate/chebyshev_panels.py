@@ -73,12 +73,15 @@ class EndMap:
         if self.end in {"infinity", "kink"}:
             return context.sqrt(x) if self.turning else x
         if self.end == "boundary":
+            # x/ℓ = sin²(y/2), or 1 − (1 − y)²: square roots at the end, and at a turning point, become analytic
             return 2 * context.asin(context.sqrt(x)) if self.turning else 1 - context.sqrt(1 - x)
+        # x/ℓ = tanh²y, or 1 − e^−y: the way to a fall or an asymptote takes for ever in y
         return context.atanh(context.sqrt(x)) if self.turning else -context.log(1 - x)
 
     def rest(self, y: Numeric, arithmetic: Float64 | Multi) -> Numeric | int:
         """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the fraction of the way that is left."""
         if self.end == "fall":
+            # p ~ left^(−pole/2) and dq/dy ~ left: both powers together
             root = arithmetic.unary("sqrt", self.distances(y, arithmetic)[1] / self.length)
             return root ** (self.pole + 2)
         if self.end == "boundary":
@@ -114,6 +117,7 @@ class EndMap:
         q = self.start + self.side * x
         if left is not None:
             finish = self.start + self.side * self.length
+            # in the second half from the end, of which the distance left is known to all digits
             q = arithmetic.where(left < x, finish - self.side * left, q)
         return q, self.side * slope
 
@@ -191,6 +195,7 @@ def integrated_row(row: list[Mpf], half: Mpf, start: Mpf) -> list[Mpf]:
         start: value at its left edge.
     """
     c = [*row, 0 * row[0], 0 * row[0]]
+    # ∫T₀ = T₁, ∫Tₖ = (Tₖ₊₁/(k + 1) − Tₖ₋₁/(k − 1))/2; c₀ is the mean here, not twice it
     result = [0 * row[0], half * (c[0] - c[2] / 2)]
     result += [half * (c[k - 1] - c[k + 1]) / (2 * k) for k in range(2, len(row) + 1)]
     result[0] = start - sum(v if k % 2 == 0 else -v for k, v in enumerate(result))

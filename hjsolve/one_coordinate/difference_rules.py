@@ -110,6 +110,7 @@ class DifferenceRules(ABC, Generic[N]):
 
     def _with_constant(self, code: str, constant: N, f: DividedValues[N]) -> DividedValues[N]:
         if code == "add":
+            # differences of a constant are zero
             return f._replace(here=self.add(constant, f.here))
         return DividedValues(*(self.mul(constant, part) for part in f))
 
@@ -147,6 +148,7 @@ class DifferenceRules(ABC, Generic[N]):
         # Φ[f(a), f(q)], Φ[f(b), f(q)] and Φ[f(a), f(b), f(q)]
         near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
         fixed = self.fixed(_DISKS.chord(name, x.lower, x.upper, *ends))
+        # Φ∘f by the chain rule of differences: Φ[f(a), f(b), f(q)] f[a, b] f[a, q] + Φ[f(b), f(q)] f[a, b, q]
         twice = self.bend(name, (a, b, q), fixed, near_a, near_b)
         second = of_composition(self, near_b, twice, self.fixed(required(x.chord)), (f.from_lower, f.second))
         return DividedValues(here, second, self.mul(near_b, f.from_upper), self.mul(near_a, f.from_lower))
@@ -171,6 +173,7 @@ class OverDisks(DifferenceRules[Disk]):
         a, b, q = places
         one = _DISKS.div(_DISKS.sub(near_b, chord), _DISKS.sub(q, a))
         other = _DISKS.div(_DISKS.sub(near_b, near_a), _DISKS.sub(b, a))
+        # Φ[a, b, q] is a mean of ½Φ″ over the triangle (Hermite and Genocchi); the hull is convex and holds it
         mean = _DISKS.times(_DISKS.bend(name, hull(hull(a, b), q)), 0.5)
         return tighter(tighter(one, other), mean)
 
@@ -192,6 +195,7 @@ class AtPoints(DifferenceRules[Complexes]):
     def chord(self, name: str, x: Complexes, y: Complexes, at_x: Complexes, at_y: Complexes) -> Complexes:
         """Return Φ[x, y]: the quotient, or Φ′ in the middle where x and y are close."""
         apart = y - x
+        # the quotient loses ε/|y − x| of its digits, Φ′ in the middle leaves out |y − x|²
         close = np.abs(apart) < _CLOSE * np.maximum(np.abs(x), 1e-3)
         quotient = (at_y - at_x) / np.where(close, 1, apart)
         if not np.any(close):
@@ -210,6 +214,7 @@ class AtPoints(DifferenceRules[Complexes]):
         a, b, q = places
         one, other = np.broadcast_arrays(q - a, b - a + 0 * q)
         widest = np.maximum(np.abs(one), np.abs(other))
+        # the same number by symmetry of differences; the longer distance loses fewer digits
         quotient = np.where(np.abs(one) > np.abs(other), (near_b - chord) / one, (near_b - near_a) / other)
         close = widest < _CLOSE * np.maximum(np.abs(a), 1e-3)
         if not np.any(close):

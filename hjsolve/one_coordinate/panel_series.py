@@ -41,6 +41,7 @@ class PanelSeries:
     def mean(self) -> Mpf:
         """The mean over a turn."""
         context = self.edges[-1].context
+        # Tₖ(1) = 1: the sum of the coefficients is the integral at the right edge, π
         return context.fsum(self.sums[-1]) / context.pi
 
     @property
@@ -80,6 +81,7 @@ class PanelSeries:
 
     def wave_size_at(self, χ: Mpf | int) -> float:
         """Return what rounding of ``oscillation`` at one phase refers to; nothing at a turning point."""
+        # the integral from 0 is as small as χ, and its rounding with it
         return min(abs(float(χ)), np.pi) * self.size
 
     def value(self, χ: Elementwise) -> Elementwise:

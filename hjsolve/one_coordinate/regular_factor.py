@@ -58,12 +58,14 @@ class Deflated:
             The disks, and which of ``methods`` gave each of them: the one that is known best.
         """
         from_lower, from_upper = required(from_lower), required(from_upper)
+        # one pass gives F(q) and its differences: four formulas for R, of which each is narrow somewhere else
         result = self._run(OverDisks(), q)
         best, method = result.second, np.zeros(np.shape(result.second.radius), dtype=int)
         for number, (above, below) in enumerate(
             ((result.from_upper, from_lower), (result.from_lower, from_upper), (result.here, None)), 1
         ):
             other = _DISKS.div(above, below if below is not None else _DISKS.mul(from_lower, from_upper))
+            # disks of one number all hold it: the narrowest is right whichever formula it comes from
             better = (other.radius < best.radius) | (~np.isfinite(best.radius) & np.isfinite(other.radius))
             best = Disk(*(np.where(better, x, y) for x, y in zip(other, best, strict=True)))
             method = np.where(better, number, method)
@@ -170,6 +172,7 @@ class _Builder:
     def _line(self, code: str, x: int, y: int = -1) -> int:
         f, g = self.ends[x], self.ends[y]
         at = self._at(code, f.lower, g.lower), self._at(code, f.upper, g.upper)
+        # what does not contain q has no differences: one disk, and no line of the program
         if f.chord is None and (y < 0 or g.chord is None):
             return self._constant(at[0])
         line = ProgramLine(code, len(self.ends), x, y)
@@ -201,4 +204,5 @@ class _Builder:
                 found = d.mul(d.mul(*at), -first)
             case _:
                 found = d.mul(d.chord(code, f.lower, f.upper, *at), first)
+        # by rule no digits cancel where b − a is small; where it is large the quotient is narrower
         return tighter(found, d.div(d.sub(at[1], at[0]), self.width))

@@ -48,6 +48,7 @@ class AtRest(KindOfMotion):
     @property
     def signed_action(self) -> int | None:
         """0, the limit of a vanishing libration; None on top of a barrier."""
+        # on top of a barrier nothing librates about the place
         return 0 if self.stable else None
 
     @property
@@ -84,6 +85,7 @@ class AtRest(KindOfMotion):
 
     def rate(self, j: int, χ: Numbers) -> Numbers:
         rate: Elementwise = float(self.rates[j]) if χ.dtype == float else self.rates[j]
+        # constant, as an array like χ
         return rate + 0 * χ
 
     def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:

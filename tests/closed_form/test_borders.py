@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-import mpmath
 import pytest
 import sympy as sp
 
@@ -18,11 +17,12 @@ import hjsolve
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.form_context import FormContext, context_of
 from hjsolve.closed_form.forms import RegimeForms
-from hjsolve.closed_form.regions import middle_of, root_interval_of
+from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.special_cases import special_cases_of
 from hjsolve.precision import mp
 from tests.support.entries import forms
+from tests.support.turns import in_the_turn
 
 STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp.S.Zero]
 
@@ -84,7 +84,7 @@ def _compared(form: RegimeForms, sample: Sample) -> int:
         if c.name not in solution.coordinates:
             values |= {c.symbol: sp.S.Zero}
             continue
-        begin = _in_the_turn(form, c.name, sample)
+        begin = in_the_turn(form, c.name, sample)
         end = begin + sp.Rational(1, 10**4)
         values |= {c.symbol: end, solution.lower_limits[c.name]: begin}
         numbers = many_digits(sample.values, 60)
@@ -101,18 +101,6 @@ def _compared(form: RegimeForms, sample: Sample) -> int:
     got = form.evaluate("characteristic_function", {s.name: v for s, v in _held(form, values).items()}, 30)
     assert abs(got.value - expected) <= 1e-25 * abs(expected) + abs(got.error), (form.regime.words, got, expected)
     return 1
-
-
-def _in_the_turn(form: RegimeForms, name: str, sample: Sample) -> sp.Expr:
-    """The place, an angle in the turn that the form is of: a libration about π is that from 0 to 2π."""
-    place = sample.places[name]
-    for curve, _ in form.regime.regions:
-        if curve.coordinate.name == name and curve.substitution.closed:
-            middle = middle_of(curve, many_digits(sample.values, 60))
-            return place + sp.Rational(
-                str(mpmath.nstr(2 * mpmath.pi * mpmath.nint((middle - float(place)) / (2 * mpmath.pi)), 30))
-            )
-    return place
 
 
 def _held(form: RegimeForms, values: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, sp.Expr]:

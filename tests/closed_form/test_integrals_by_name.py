@@ -16,12 +16,13 @@ import hjsolve
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.regions import middle_of, root_interval_of
+from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp
 from tests.support.entries import forms
 from tests.support.gauss import gauss
+from tests.support.turns import in_the_turn
 
 STEP = sp.Rational(1, 10**4)
 ENTRIES = {
@@ -72,7 +73,7 @@ def _compared(form: RegimeForms, sample: Sample) -> set[str]:
     solution, values = form.solution, dict(sample.values)
     for k, c in enumerate(solution.system.coordinates):
         if c.name in solution.coordinates:
-            begin = _in_the_turn(form, c.name, sample)
+            begin = in_the_turn(form, c.name, sample)
             values |= {c.symbol: _beside(solution, c, begin, sample), solution.lower_limits[c.name]: begin}
         else:
             values[c.symbol] = sp.Rational(k + 2, 7)
@@ -125,14 +126,3 @@ def _integral(integrand: Callable[[mpmath.mpf], mpmath.mpf], low: mpmath.mpf, hi
         if error <= mp.mpf(10) ** -42 * abs(value):
             return value
     raise AssertionError(f"the reference itself is not known well enough: {value} ± {error}")
-
-
-def _in_the_turn(form: RegimeForms, name: str, sample: Sample) -> sp.Expr:
-    """The place, an angle in the turn that the form is of: a libration about π is that from 0 to 2π."""
-    place = sample.places[name]
-    for curve, _ in form.regime.regions:
-        if curve.coordinate.name == name and curve.substitution.closed:
-            middle = middle_of(curve, many_digits(sample.values, 60))
-            turns = mpmath.nint((middle - float(place)) / (2 * mpmath.pi))
-            return place + sp.Rational(str(mpmath.nstr(2 * mpmath.pi * turns, 30)))
-    return place

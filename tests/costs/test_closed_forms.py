@@ -6,23 +6,16 @@ from dataclasses import replace
 
 import pytest
 
-from hjsolve import catalog
 from hjsolve.costs.closed_forms import closed_form
 from hjsolve.costs.own_methods import own
 from hjsolve.costs.side_by_side import _places
 from hjsolve.costs.subject import scene_of
 from hjsolve.costs.trial import Task
-from tests.support.entries import kinds_of_motions, table
+from tests.support.entries import with_closed_form
 
 pytestmark = pytest.mark.rotating_file(6)
 
-ENTRIES = [name for name in catalog.ids("separable") if table(name).get("closed")]
-MOTIONS = [
-    (name, motion)
-    for name in ENTRIES
-    for motion, kinds in kinds_of_motions(name).items()
-    if any(form.get("kinds", kinds) == kinds for form in table(name)["closed"])
-]
+ENTRIES, MOTIONS = with_closed_form()
 
 
 def test_there_are_some() -> None:

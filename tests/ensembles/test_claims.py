@@ -16,10 +16,8 @@ import pytest
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine import Status, nodes
 from tests.support import kuzmin_kutuzov as galaxy
+from tests.support.galaxy_references import QUANTITIES
 
-QUANTITIES = (
-    "actions.u", "actions.w", "frequencies.u", "frequencies.w", "frequencies.phi", "angles.u", "angles.w", "angles.phi",
-)  # fmt: skip
 WANTED = [("actions",), ("actions", "frequencies"), ("actions", "frequencies", "angles")]
 
 

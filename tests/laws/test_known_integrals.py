@@ -16,7 +16,7 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.constants.known_integrals import curvature
-from tests.support.separation_cases import E3, ONE_DIMENSIONAL, SEVERAL, SPHERICAL_COORDINATES, make, two_centres
+from tests.support.separation_cases import E3, ONE_DIMENSIONAL, SEVERAL, SPHERICAL_COORDINATES, kerr, make, two_centres
 
 CONTINUED = "continued by a function of the coordinates"
 a, b, c, m, k = sp.symbols("a b c m k", positive=True)
@@ -338,16 +338,6 @@ def test_the_ignorable_angle_of_the_spherical_pendulum_is_an_angular_momentum():
     L_z = m * (place[0] * velocity[1] - place[1] * velocity[0])
     w = [hamiltonian(verdict.system).diff(momentum) for momentum in p]
     assert sp.simplify(L_z.subs(dict(zip(sp.symbols("w1 w2"), w))) - p[1]) == 0
-
-
-def kerr(potential="0"):
-    Σ, Δ = "(r**2 + a**2*cos(theta)**2)", "(r**2 - 2*M*r + a**2)"
-    kinetic = (
-        f"-(1 - 2*M*r/{Σ})/2*dot(t)**2 - 2*M*a*r*sin(theta)**2/{Σ}*dot(t)*dot(phi) + {Σ}/(2*{Δ})*dot(r)**2"
-        f"+ {Σ}/2*dot(theta)**2 + sin(theta)**2/2*(r**2 + a**2 + 2*M*a**2*r*sin(theta)**2/{Σ})*dot(phi)**2"
-    )
-    coordinates = {"t": "line", "r": "0 < r", "theta": "0 < theta < pi", "phi": "angle"}
-    return System(coordinates, kinetic, potential, {"M": 1, "a": "1/2"}, signature="indefinite")
 
 
 def test_the_constant_of_kerr_is_carters():

@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest
 from hjsolve.separation import Obstruction, Separation, region_of, separate
 from hjsolve.separation.verdicts import Stackel
-from tests.support.separation_cases import E3, SEPARABLE, SEVERAL, SPHERICAL, SPHERICAL_COORDINATES, decided, make
+from tests.support.separation_cases import E3, SEPARABLE, SEVERAL, SPHERICAL, SPHERICAL_COORDINATES, decided, kerr, make
 
 TOLERANCE = sp.Float("1e-40", 50)
 
@@ -179,13 +179,7 @@ def test_one_wrong_power_beside_an_undetermined_function_is_refused():
 
 
 def test_kerr_geodesics_separate_in_boyer_lindquist_coordinates():
-    Σ, Δ = "(r**2 + a**2*cos(theta)**2)", "(r**2 - 2*M*r + a**2)"
-    kinetic = (
-        f"-(1 - 2*M*r/{Σ})/2*dot(t)**2 - 2*M*a*r*sin(theta)**2/{Σ}*dot(t)*dot(phi) + {Σ}/(2*{Δ})*dot(r)**2"
-        f"+ {Σ}/2*dot(theta)**2 + sin(theta)**2/2*(r**2 + a**2 + 2*M*a**2*r*sin(theta)**2/{Σ})*dot(phi)**2"
-    )
-    coordinates = {"t": "line", "r": "0 < r", "theta": "0 < theta < pi", "phi": "angle"}
-    verdict = separate(System(coordinates, kinetic, "0", {"M": 1, "a": "1/2"}, signature="indefinite"))
+    verdict = separate(kerr())
     assert isinstance(verdict, Separation)
     assert verdict.ignorable == ("t", "phi")
     theta, a = verdict.system.coordinates[2].symbol, sp.Symbol("a", real=True)

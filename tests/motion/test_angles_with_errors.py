@@ -32,9 +32,7 @@ def held(motion, better):
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", entries.separable_with_effects())
 def test_errors_of_angles_hold_against_50_digits(name):
-    entry, *_ = name.split("+")
-    given = {**entries.described(entry).motions["default"].arguments}
-    given.pop("digits", None)
+    given = {k: v for k, v in entries.given(name).items() if k != "digits"}
     solution = entries.solved(name)
     motion = solution.motion(**given)
     if motion.frequencies:

@@ -43,8 +43,7 @@ def span(motion):
 @pytest.mark.parametrize("name", entries.separable_with_effects())
 def test_it_is_the_integral_of_twice_the_kinetic_energy(name):
     """Over the whole catalog, forwards and backwards, to 1e-13 of ∫ |p·q̇| dt, and to its claim."""
-    entry, *_ = name.split("+")
-    motion = entries.solved(name).motion(**entries.described(entry).motions["default"].arguments)
+    motion = entries.solved(name).motion(**entries.given(name))
     for direction in (1, -0.37):
         t = direction * span(motion)
         if ends := [e.value for e in motion.boundary_times.values() if e.value * direction > 0]:
@@ -62,8 +61,7 @@ def test_it_is_the_integral_of_twice_the_kinetic_energy(name):
 @pytest.mark.parametrize("name", entries.separable_with_effects())
 def test_betas_are_what_the_printed_equations_say(name):
     """∂W/∂α along the branch at t₀, from the printed integrands by 30-digit quadrature over the anomaly of the interval."""
-    entry, *_ = name.split("+")
-    solution, given = entries.solved(name), entries.described(entry).motions["default"].arguments
+    solution, given = entries.solved(name), entries.given(name)
     motion, fine = solution.motion(**given), solution.motion(**{**given, "digits": 40}, want=["constants", "betas"])
     energy, values = solution.separation.shell.energy.name, dict(motion.initial.values)
     values |= {solution.constants[k].symbol: v for k, v in motion.initial.constants.items()}

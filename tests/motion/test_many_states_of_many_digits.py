@@ -16,9 +16,7 @@ PICKED = [0, 1, 250, 617, 999]
 
 def held(name: str, many: int = 1000, widest: float = 1e-27) -> None:
     """Claims hold against 50 digits, and are no wider than ``widest`` of 1 or the largest value there is."""
-    entry, *_ = name.split("+")
-    given = {**entries.described(entry).motions["default"].arguments}
-    given.pop("digits", None)
+    given = {k: v for k, v in entries.given(name).items() if k != "digits"}
     solution = entries.solved(name)
     motion = solution.motion(**given, digits=30)
     if motion.separated.torus is None:

@@ -16,8 +16,7 @@ pytestmark = pytest.mark.rotating_file(18)
 
 
 def started(name, digits):
-    entry, *_ = name.split("+")
-    return entries.solved(name).motion(**{**entries.described(entry).motions["default"].arguments, "digits": digits})
+    return entries.solved(name).motion(**{**entries.given(name), "digits": digits})
 
 
 def moved_a_little(motion):

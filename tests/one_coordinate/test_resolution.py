@@ -184,11 +184,8 @@ def test_a_motion_counts_what_is_narrower_than_the_first_nodes(potential, place,
             assert found.error <= 1e-14 * value
 
 
-@pytest.mark.nightly_cases("4", "6", "8")
-@pytest.mark.parametrize("index", range(0, 9, 2))
-def test_random_narrow_features_are_resolved(index):
-    """One of each second base of the generator; benchmarks/features.py runs thousands."""
-    one = draw(11, index)
+def resolved(one):
+    """The motion of a draw, its frequency and action within their claims of those of 40 digits."""
     solution = hjsolve.solve(hjsolve.System(dict(one.coordinates), one.kinetic, one.potential))
     motion = solution.motion(q=one.exact("q"), p=one.exact("p"))
     with mp.workdps(40):
@@ -196,6 +193,14 @@ def test_random_narrow_features_are_resolved(index):
         for found, value in ((motion.frequencies, exact.frequency), (motion.actions, exact.action)):
             assert abs(abs(found[one.name].value) - value) <= found[one.name].error + value * mp.mpf(10) ** -17
             assert found[one.name].error <= 1e-12 * value
+    return motion
+
+
+@pytest.mark.nightly_cases("4", "6", "8")
+@pytest.mark.parametrize("index", range(0, 9, 2))
+def test_random_narrow_features_are_resolved(index):
+    """One of each second base of the generator; benchmarks/features.py runs thousands."""
+    resolved(draw(11, index))
 
 
 @pytest.mark.nightly_cases(
@@ -208,15 +213,7 @@ def test_random_narrow_features_are_resolved(index):
 )
 def test_crowds_of_obstacles_and_products_that_overflow_are_resolved(seed, index):
     """Drawn at random, and refused once: waves in an envelope, and sines about a place on a circle."""
-    one = draw(seed, index)
-    solution = hjsolve.solve(hjsolve.System(dict(one.coordinates), one.kinetic, one.potential))
-    motion = solution.motion(q=one.exact("q"), p=one.exact("p"))
-    with mp.workdps(40):
-        exact = truth(one)
-        for found, value in ((motion.frequencies, exact.frequency), (motion.actions, exact.action)):
-            assert abs(abs(found[one.name].value) - value) <= found[one.name].error + value * mp.mpf(10) ** -17
-            assert found[one.name].error <= 1e-12 * value
-    assert motion.nodes <= 2500
+    assert resolved(draw(seed, index)).nodes <= 2500
 
 
 def test_without_the_enclosures_the_narrow_dip_would_not_be_seen(monkeypatch):

@@ -30,6 +30,17 @@ def kinds_of_motions(name: str) -> dict[str, dict[str, str]]:
     return {motion: data.get("kinds", {}) for motion, data in (motions | table(name).get("motions", {})).items()}
 
 
+def with_closed_form() -> tuple[list[str], list[tuple[str, str]]]:
+    """Entries with a closed form in their file, and their motions that have one: of the kind it is for."""
+    names = [name for name in catalog.ids("separable") if table(name).get("closed")]
+    return names, [
+        (name, motion)
+        for name in names
+        for motion, kinds in kinds_of_motions(name).items()
+        if any(form.get("kinds", kinds) == kinds for form in table(name)["closed"])
+    ]
+
+
 @functools.cache
 def described(name: str) -> Entry:
     """The entry, its system built without effects."""
@@ -54,6 +65,12 @@ def solved(name: str) -> Solution:
     """The solution of an entry, effects after plus signs."""
     entry, *effects = name.split("+")
     return solution(entry, tuple(effects))
+
+
+def given(name: str) -> dict[str, Any]:
+    """The arguments of the default motion of an entry, effects after plus signs."""
+    entry, *_ = name.split("+")
+    return {**described(entry).motions["default"].arguments}
 
 
 @functools.cache

@@ -288,3 +288,14 @@ REFUSED = {
 def decided(name: str) -> Separation | Obstruction | Undecided:
     """What ``separate`` says of one of these systems; made once a process."""
     return separate(SEPARABLE[name] if name in SEPARABLE else REFUSED[name][0])
+
+
+def kerr() -> System:
+    """Geodesics of Kerr in Boyer–Lindquist coordinates, mass 1."""
+    Σ, Δ = "(r**2 + a**2*cos(theta)**2)", "(r**2 - 2*M*r + a**2)"
+    kinetic = (
+        f"-(1 - 2*M*r/{Σ})/2*dot(t)**2 - 2*M*a*r*sin(theta)**2/{Σ}*dot(t)*dot(phi) + {Σ}/(2*{Δ})*dot(r)**2"
+        f"+ {Σ}/2*dot(theta)**2 + sin(theta)**2/2*(r**2 + a**2 + 2*M*a**2*r*sin(theta)**2/{Σ})*dot(phi)**2"
+    )
+    coordinates = {"t": "line", "r": "0 < r", "theta": "0 < theta < pi", "phi": "angle"}
+    return System(coordinates, kinetic, "0", {"M": 1, "a": "1/2"}, signature="indefinite")

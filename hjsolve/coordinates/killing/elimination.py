@@ -70,22 +70,25 @@ def _rows_at(
     return rows
 
 
+def without_column(row: list[FieldElement], pivot_row: list[FieldElement], column: int) -> list[FieldElement]:
+    """Return a row less so much of one with 1 in a column that its own entry there is 0."""
+    factor = row[column]
+    if not factor:
+        return row
+    check_time()
+    return [a - factor * b for a, b in zip(row, pivot_row, strict=True)]
+
+
 def _reduce(row: list[FieldElement], echelon: dict[int, list[FieldElement]]) -> int | None:
     """Reduce a row against an echelon form; add it and return its pivot, or None where it was dependent."""
     for column, pivot_row in echelon.items():
-        if row[column]:
-            check_time()
-            factor = row[column]
-            row = [a - factor * b for a, b in zip(row, pivot_row, strict=True)]
+        row = without_column(row, pivot_row, column)
     pivot = next((c for c, entry in enumerate(row) if entry), None)
     if pivot is None:
         return None
     row = [entry / row[pivot] for entry in row]
     for column, other in echelon.items():
-        if other[pivot]:
-            check_time()
-            factor = other[pivot]
-            echelon[column] = [a - factor * b for a, b in zip(other, row, strict=True)]
+        echelon[column] = without_column(other, row, pivot)
     echelon[pivot] = row
     return pivot
 

@@ -10,6 +10,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 
 from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.constant_field import FieldElement
+from hjsolve.coordinates.killing.elimination import without_column
 
 
 def echelon_over_ring(
@@ -85,9 +86,6 @@ def _back_substituted(done: list[tuple[int, list[PolyElement]]], field: Domain) 
         lead = field(polynomials[column])
         row = [field(entry) / lead if entry else field.zero for entry in polynomials]
         for other, other_row in reduced.items():
-            if row[other]:
-                check_time()
-                factor = row[other]
-                row = [a - factor * b for a, b in zip(row, other_row, strict=True)]
+            row = without_column(row, other_row, other)
         reduced[column] = row
     return reduced

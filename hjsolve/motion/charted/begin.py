@@ -59,12 +59,14 @@ def start_charted(
     try:
         initial = carried(solution, chart, **given)
         within = motion_through_poles(solution, initial, t0, digits, parts, certified=certified)
+    # where the separated coordinates are singular a plane or a focus may hold the motion, in other coordinates
     except (InvalidInputError, NotConvergedError):
         elsewhere = motion_in_a_plane(chart, given, **options) or _at_a_focus(solution, chart, given, t0, digits, parts)
         if elsewhere is None:
             raise
         return elsewhere
     motion = in_users_coordinates(chart, within, parts)
+    # on the axis of a web a coordinate tends to a focus for ever; along the axis the body passes it
     if "asymptotic" in motion.kinds.values():
         return motion_in_a_plane(chart, given, **options) or motion
     return motion
@@ -100,6 +102,7 @@ def in_users_coordinates(chart: Chart, within: Motion, parts: frozenset[str]) ->
     if found is None:
         return motion
     name, ends = found
+    # frequencies and periods are those of the motion that the regularised equations turn back at the focus
     times = {} if ends[1] is None else {name: ends[1]}
     kinds = motion.kinds if ends[1] is None else {**motion.kinds, name: "boundary"}
     return replace(motion, ends=ends, kinds=kinds, boundary_times=times, frequencies={}, periods={})
@@ -222,9 +225,11 @@ def _with_velocity_in_space(solution: Solution, given: StartGiven) -> Motion:
     system, q, velocity, parameters = solution.system, required(given.q), required(given.velocity), given.parameters
     along = {axis: number(value, source=f"velocity[{axis}]") for axis, value in velocity.items()}
     values = read_places(system, in_units(system, q, "q"), in_units(system, parameters, "parameters"))
+    # M is regular: momenta are p = m Jᵀ v, and the start is an ordinary one
     if not any(number_is_zero(with_numbers(e, values)) for e in mass_matrix(system).diagonal()):
         return start(solution, replace(given, velocity=None, p=momenta_of(system, values, along)))
     given, exact = _checked(solution, given), all_exact(q, velocity, parameters)
+    # the energy from the velocity in space: T of the coordinates is 0/0 at an umbilic
     potential = with_numbers(system.potential - kinetic_rest(system), values)
     energy = clean(particle_mass(system, values) * sp.Add(*(v**2 for v in along.values())) / 2 + potential)
     motion = start_at_umbilic(
@@ -275,6 +280,7 @@ def _well(solution: Solution, given: StartGiven) -> Mapping[str, object] | None:
     chart, q = solution.chart, given.q
     if chart is None or q is None or not set(q) & {c.name for c in chart.original.coordinates}:
         return q
+    # only the place is wanted of what is carried over: any momentum does
     resting = {c.name: 0 for c in chart.original.coordinates}
     there = carried(solution, chart, q=q, velocity=None, p=resting, parameters=given.parameters)
     return {c.name: there.values[c.symbol] for c in solution.system.coordinates}

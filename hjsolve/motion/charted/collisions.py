@@ -45,6 +45,7 @@ def collision_times(chart: Chart, motion: Motion) -> tuple[str, Ends] | None:
     for focus in _FOCI.get(chart.kind, ()):
         place = [focus[0] * field.context.pi, focus[1] * field.context.pi]
         for still, moving in ((0, 1), (1, 0)):
+            # one coordinate must rest at its value of the focus: else the body passes it by
             rests = abs(abs(start[still]) - place[still]) < tiny and motion.kinds[names[still]] == "equilibrium"
             if rests and _infinite(chart, motion, place, field):
                 ends = _times(motion, names[moving], place[moving])
@@ -66,6 +67,7 @@ def _infinite(chart: Chart, motion: Motion, place: list[Mpf], field: Multi) -> b
     fixed = [*rest, *(p.symbol for p in system.parameters)]
     close = field.context.mpf(2) ** -_CLOSE
     at = [place[0] + close, place[1] + close, *(to_bits(values[s])(_BITS) for s in fixed)]
+    # next to the focus, not at it: h² V is 0·∞ there
     V, h2 = tape_of((system.potential, chart.scale[0]), (*chart.symbols[:2], *fixed)).run(field, at)
     return bool(abs(V * h2) > field.context.mpf(2) ** (-_CLOSE // 2))
 
@@ -75,6 +77,7 @@ def _times(motion: Motion, name: str, place: Mpf) -> Ends:
     ends: list[Estimate | None] = []
     for passage in (-1, 0):
         times = []
+        # the web has every place twice, as (u, v) and (−u, −v)
         for value in {place, -place}:
             try:
                 times.append(motion.time_at(name, value, passage))
@@ -97,6 +100,7 @@ def between(ends: Ends, state: State) -> State:
     over = np.zeros(shape, dtype=bool)
     for end, side in zip(ends, (-1, 1), strict=True):
         if end is not None:
+            # within the error of the collision it has happened: no state beyond it is told
             over |= side * (times - float(end.value)) >= -float(end.error)
 
     def cut(group: Mapping[str, AtTimes]) -> dict[str, AtTimes]:

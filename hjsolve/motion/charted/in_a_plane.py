@@ -70,7 +70,9 @@ def motion_in_a_plane(chart: Chart, given: Mapping[str, Start | None], **options
         return None
     values = read_phase_point(chart.original, given["q"] or {}, given["velocity"], given["p"], given["parameters"])
     X, P = _exact_point(chart, values)
+    # X_k = P_k = 0 across the plane; whether it stays 0 is asked of the force
     inside = [k for k in range(len(X)) if X[k] != 0 or P[k] != 0]
+    # at rest in the centre: it stays on any axis along which the force vanishes across
     for kept in [inside] if inside else [[k] for k in range(len(X))]:
         plane = _plane(chart, tuple(kept)) if len(kept) < len(X) else None
         if plane is None:
@@ -97,6 +99,7 @@ def _exact_point(chart: Chart, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[lis
     def numbers(bits: int) -> Frame:
         return point_in_frame(chart, lambda e: to_bits(e.xreplace(dict(values)))(bits), Multi(bits).context)
 
+    # a coordinate that is 0 but for rounding must be 0: two precisions tell
     far, near = numbers(BITS), numbers(BITS // 2)
     X = [rational_of(a, b) for a, b in zip(far[0], near[0], strict=True)]
     return X, [rational_of(a, b) for a, b in zip(far[1], near[1], strict=True)]
@@ -112,6 +115,7 @@ def _plane(chart: Chart, kept: tuple[int, ...]) -> Chart | None:
     V = original.potential.subs(at, simultaneous=True)
     across = {s: sp.S.Zero for k, s in enumerate(L) if k not in kept}
     for s in across:
+        # ∂V/∂X_k = 0 on the whole plane: else the motion leaves it
         force = sp.diff(V, s).subs(across)
         if force.has(sp.nan, sp.zoo, sp.oo) or not isinstance(is_zero(force, budget=_SECONDS), Zero):
             return None

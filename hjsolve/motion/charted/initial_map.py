@@ -59,6 +59,7 @@ def carried(
     given = read_phase_point(chart.original, q, velocity, p, parameters)
     far, near = (_numbers(solution, chart, given, bits) for bits in (BITS, BITS // 2))
     energy = clean(with_numbers(hamiltonian(chart.original), given))  # refuses an infinite V, which the map rounds away
+    # roots of the inverse chart become fractions of 4 800 bits: constants are worked out from them without more loss
     exact = [rational_of(a, b) for a, b in zip(far, near, strict=True)]
     system, n = solution.system, len(chart.symbols)
     values = {s.symbol: given[s.symbol] for s in system.parameters}
@@ -95,6 +96,7 @@ def at_singular_place(
         def value(e: sp.Expr, bits: int = bits) -> Mpf:
             return to_bits(e.xreplace(given))(bits)
 
+        # at a focus u is known and p_u is not: P in the frame of the web is regular there
         X, P, lengths = point_in_frame(chart, value, field.context)
         mass = value(chart.mass)
         u = inverse_chart(chart.kind, X, P, lengths, field)[-len(chart.symbols) :]
@@ -142,6 +144,7 @@ def point_in_frame(chart: Chart, value: Callable[[sp.Expr], Mpf], c: Context) ->
         lengths = {name: value(length) for name, length in chart.lengths.items()}
     except (InvalidInputError, ZeroDivisionError):
         raise _other_parameters(chart) from None
+    # a confocal family needs its lengths in order: with others the inverse chart takes roots of negative numbers
     rising = [lengths[name] for name in _RISING if name in lengths]
     if lengths.get("a", 1) <= 0 or any(one >= other for one, other in pairwise(rising)):
         raise _other_parameters(chart)
@@ -163,6 +166,7 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
     fixed = {s.symbol: value(s.symbol) for s in chart.system.parameters}
     J = sp.Matrix(chart.place).jacobian(chart.symbols)
     slopes = tape_of(tuple(J), (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
+    # p_u = (∂X/∂u)ᵀ P: the transposed Jacobian, so that no h² is divided by
     lifted = [c.fsum(slopes[i * n + k] * P[i] for i in range(len(P))) for k in range(n)]
     if chart.linear:
         own = tape_of(chart.linear, (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
@@ -203,6 +207,7 @@ def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[M
     """
     fixed = {s.symbol: to_bits(given[s.symbol])(field.bits) for s in chart.system.parameters}
     scale = tape_of(chart.scale, (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
+    # at a focus rounded numbers do not make h² zero, but some root of their last bit
     least = field.context.mpf(2) ** (-field.bits // 4)
     if all(h > least for k, h in enumerate(scale) if k not in _ANGLES.get(chart.kind, ())):
         return
@@ -223,6 +228,7 @@ def place_of(far: Mpf, near: Mpf) -> sp.Expr:
     """
     fraction = 12 * far / far.context.pi
     whole = int(far.context.nint(fraction)) if abs(fraction) < _MANY_TURNS else 0
+    # θ = π/2 rounded is not the equator: what must vanish there would be 10⁻¹⁴⁰⁰ instead
     if whole and abs(far - whole * far.context.pi / 12) <= max(abs(far - near), far.context.ldexp(1, -BITS // 3)):
         return sp.pi * sp.Rational(whole, 12)
     return rational_of(far, near)
@@ -235,6 +241,7 @@ def rational_of(far: Mpf, near: Mpf) -> sp.Rational:
         far: to ``BITS``.
         near: to half as many.
     """
+    # no larger than what the rounding of the lower precision makes of it
     if abs(far) <= abs(far - near):
         return sp.S.Zero
     sign, mantissa, exponent, _ = far._mpf_

@@ -42,6 +42,7 @@ def formulas_of(chart: Chart, resting: tuple[str, ...] = ()) -> tuple[sp.Expr, .
     momenta = [chart.system.coordinate(name).momentum for name in chart.coordinates]
     if chart.linear:
         momenta = [p - a for p, a in zip(momenta, chart.linear, strict=True)]
+    # h_k² = 0 on the axis of an angle that rests: its rate is 0, not 0/0
     rates = [p / (chart.mass * h) if m else sp.S.Zero for p, h, m in zip(momenta, chart.scale, moving, strict=True)]
     local = [sum(sp.diff(X, s) * rate for s, rate in zip(u, rates, strict=True)) for X in chart.place]
     x = [o + row for o, row in zip(chart.origin, _times(chart.frame, chart.place), strict=True)]
@@ -95,6 +96,7 @@ def _bounds(
     outputs = bounded_at(tape, places, uncertainties, [values[s] for s in fixed], bits)
     result, n, k = [error for _, error in outputs], len(chart.original.coordinates), len(chart.outer.place)
     with np.errstate(all="ignore"):
+        # first-order propagation of p/h² holds while the error of h² is a small part of it
         lost = np.zeros(places[0].shape, dtype=bool)
         for h, error in outputs[k + 2 * n :]:
             lost |= ~(_LOST * error < h)

@@ -67,12 +67,14 @@ class BranchVariations:
         """
         end_map, branch = self.branch.end_map, self.branch
         x, left, _ = end_map.distances(y, Multi(64))
+        # next to an end F cancels, its derivatives more so: six times the bits by which the place is near it are added
         nearest = min(v for v in (x, left) if v is not None)
         lost = max(0.0, -float(Multi(64).context.log(nearest / end_map.length, 2))) if nearest < end_map.length else 0.0
         work = 64 * (2 + (branch.bits + branch.radicand.guard + 6 * int(lost)) // 64)
         q, slope = end_map.position(y, Multi(work))
         at = _rule(self.formulas, work).at(cast("Mpf", q))
         moved, _ = self.moved(y, work)
+        # ρ_b = (ln √F)_b along the moving place, F_b + F_q q_b; it stays finite at a turning point, where both vanish
         growth = [(by + at.slope * m) / (2 * at.value) for by, m in zip(at.by, moved, strict=True)]
         return at, cast("Mpf", slope), at.value**0.5, moved, growth
 
@@ -99,6 +101,7 @@ class BranchVariations:
         weight, values, sizes = abs(slope) / root / 2, [], []
         for j, row in enumerate(at.mixed):
             for b, mixed in enumerate(row):
+                # (k_j)_b of k_j = F_j/(2√F) dq/dy: F_jb + F_jq q_b + F_j (ω_b − ρ_b), times dq/(2√F dy)
                 terms = (mixed, at.slope_by[j] * moved[b], at.by[j] * stretched[b], -at.by[j] * growth[b])
                 values.append(sum(terms) * weight)
                 scale = abs(at.by[j] * self.start[b] / self.branch.end_map.length)  # what cancels in ρ_b is no smaller
@@ -118,6 +121,7 @@ class BranchVariations:
         panels = self.branch.panels(None, max(1.0, float(y) * (1 + 2.0**-40)))
         edges = [context.convert(edge) for edge in panels.edges]
         degree = panels.coefficients.shape[-1]
+        # the last panel goes on to y: the panels of the motion end where its own series were asked for
         for left, right in zip(edges, [*edges[1:-1], max(edges[-1], y)], strict=False):
             if left >= y:
                 break
@@ -160,6 +164,7 @@ def _resolved(variations: BranchVariations, left: Mpf, right: Mpf, degree: int, 
         largest = max(s[k] for _, s in found)
         terms = waves(values, even=True, bits=context.prec)[0] if any(values) else [context.mpf(0)] * (len(points) - 1)
         row = [context.fsum(values) / len(points), *terms]
+        # three, not one: the last coefficient of a function even in x is zero whatever the others are
         lack = float(max(abs(c) for c in row[-3:])) / (largest or 1.0)
         if lack > 10.0 ** (4 - variations.digits):
             if depth == _HALVINGS_OF_A_PANEL:
@@ -220,10 +225,12 @@ class OpenVariations:
     def _one(self, χ: Mpf) -> Slopes:
         own, sign = (self.ahead, 1) if χ >= 0 else (self.behind, -1)
         y, end_map = abs(χ), own.branch.end_map
+        # at a turning point F = dq/dy = 0 and each formula below is 0/0; all of them are even in y there
         regular = max(y, self.context.ldexp(1, -_LEAST)) if end_map.turning else y
         if not regular:
             regular = self.context.ldexp(1, -4 * self.context.prec)
         at, slope, root, moved, growth = own.at(regular)
+        # p/(dq/dy) is finite at a turning point, where p and dq/dy vanish together: P from it is exact there
         ratio = root / abs(slope)
         now = sign * cast("Mpf", end_map.position(y, Multi(self.context.prec))[1])
         P = now * ratio
@@ -259,5 +266,6 @@ def _branch_variations(branch: Branch, formulas: SquareDerivatives, digits: int)
     start = [multiprecision(bits).mpf(0)] * formulas.variables.count
     if branch.end_map.turning:
         at = formulas.bound(bits).at(branch.end_map.start)
+        # F(a(z); z) = 0 stays true: F_b + F_q a_b = 0
         start = [-by / at.slope for by in at.by]
     return BranchVariations(branch, formulas, start, digits)

@@ -220,6 +220,7 @@ def _groups(
     if "actions" in varied and means is not None:
         known = means.inverse
         directions = [p.coordinate_motion.direction if isinstance(p, CycleVariations) else 1 for p in map_.parts]
+        # the actions of rotations carry the sign of p, K has them without it
         columns = [known[:, k] if d > 0 else -known[:, k] for k, d in enumerate(directions)]
         columns += [known[:, k] for k in range(len(map_.parts), len(known.value))]
         others = [q.name for q in system.coordinates if q.name not in solution.coordinates]
@@ -239,6 +240,7 @@ def _constants(map_: ConstantsToState) -> Inputs:
         return Inputs(constants, None, by)
     frame = zeros((2 * n + m, len(constants)), c)
     for f, j in enumerate(map_.free):
+        # a of the frame are the free constants themselves; B, x and y stay: β is constant
         frame.value[n + f, j] = c.mpf(1)
     return Inputs(constants, frame, by)
 
@@ -293,6 +295,7 @@ def _period_by(map_: ConstantsToState, means: MeanMatrix | None, name: str, row:
         return row
     Ω = means.frequencies[k]
     value = Ω.value[()] * direction
+    # the error of Ω goes in twice, as Ω² stands below
     factor = -2 * map_.context.pi / (value * abs(value))
     uncertainty = abs(float(factor)) * 2 * float(Ω.error) / abs(float(value))
     return Bounded(row.value * factor, abs(float(factor)) * row.error + uncertainty * row.size)
@@ -311,6 +314,7 @@ def _position(map_: ConstantsToState, name: str) -> tuple[int, int]:
 
 def _turning(map_: ConstantsToState, i: int, name: str, group: Inputs, found: _Collected) -> None:
     part = map_.parts[i]
+    # from rest turning points grow like √J: no derivative
     if isinstance(part, RestVariations):
         found.refuse("turning_points", name, group, SQUARE_ROOT, pair=True)
         return
@@ -343,6 +347,7 @@ def _angles(
     shape, floats, exact = _times(motion, t)
     c, bits = map_.context, map_.context.prec
     rules = exact if floats is None else [exactly(float(x)) for x in floats]
+    # θ(t) is linear in t: its derivative by Ω grows with the time, and so does the error of that
     gone = [c.convert(rule(bits)) - to_bits(map_.source.t0)(bits) for rule in rules]
     rows = angles_by(map_, means)
     for name in motion.frequencies:

@@ -56,6 +56,7 @@ class UsersCoordinates:
         tape, fixed = _slopes(self.chart, self.parameters)
         field, n = Multi(context.prec), len(self.names)
         numbers = [to_bits(source.initial.values[s])(context.prec) for s in fixed]
+        # one-sided difference quotient of C: what the last digits asked of a state change in it
         lost = 10.0 ** (3 - source.digits) * 2.0**_STEP
         result = []
         for row in zip(*(group[name] for group in (q, p) for name in self.chart.coordinates), strict=True):

@@ -50,6 +50,7 @@ class MeanMatrix:
         Args:
             b: position of the variable.
         """
+        # d(K⁻¹) = −K⁻¹ dK K⁻¹; rows of ignorable coordinates are constant, so that dK has the others alone
         ns = len(self.second.value)
         return -(self.inverse[:, :ns] @ self.second[:, :, b] @ self.inverse)
 
@@ -74,6 +75,7 @@ def mean_matrix(map_: ConstantsToState) -> MeanMatrix | None:
         K.value[i], K.error[i] = means.value, means.error
     others = [q for q in solution.system.coordinates if q.name not in solution.coordinates]
     for row, q in enumerate(others, len(map_.parts)):
+        # J_m = c_m of an ignorable coordinate: its row of K is a row of the unit matrix, and K is square
         K.value[row, map_.variables.constants.index(q.momentum.name)] = c.mpf(1)
     second = stacked([part.second_means() for part in map_.parts])  # type: ignore[union-attr]
     energy = map_.variables.constants.index(solution.separation.shell.energy.name)
@@ -88,6 +90,7 @@ def action_by(map_: ConstantsToState, i: int) -> Bounded:
     """
     part = map_.parts[i]
     means = part.means()  # type: ignore[union-attr]
+    # p = P − A: over a libration ∮ A dq = 0, over a turn it is not
     if isinstance(part, CycleVariations) and part.coordinate_motion.rotates:
         signed = means if part.coordinate_motion.direction > 0 else -means
         return signed - _shift_by(map_, i, part)
@@ -112,5 +115,6 @@ def _shift_by(map_: ConstantsToState, i: int, part: CycleVariations) -> Bounded:
     result: list[Mpf] = []
     for b in range(count):
         mean = c.fsum(c.convert(row[1 + b]) for row in rows) / nodes
+        # the length of a turn may depend on a parameter, too: the upper end of the integral moves
         result.append(mean * length + part.scale[b] * length * rows[0][0])
     return Bounded.exact(np.array(result, dtype=object))

@@ -133,8 +133,10 @@ def motion_through_poles(
         except NotConvergedError:
             if not angles:
                 raise
+    # most motions: nothing is solved anew for them
     if motion is not None and not _meets_a_pole(motion):
         return goes_on_at_umbilics(motion) or motion
+    # p_φ = 0 makes the plane φ = const invariant: there the coordinate runs on through the pole as in that plane
     for name in angles:
         crossing = continued_coordinates(solution.system, name)
         on = (
@@ -196,11 +198,13 @@ def _carried(other: Solution, solution: Solution, initial: Initial) -> Initial:
         values |= {c.symbol: initial.values[old.symbol], c.momentum: initial.values[old.momentum]}
     constants = {name: _without_noise(clean(with_numbers(c.expression, values))) for name, c in other.constants.items()}
     if "E" in constants and "E" in initial.constants:
+        # E as it was given: worked out anew from q and p it may be another formula of the same number
         constants["E"] = initial.constants["E"]
     return Initial(values, constants, initial.exact)
 
 
 def _without_noise(value: sp.Expr) -> sp.Expr:
+    # the last bits of a float make 10⁻³⁰ of a constant that should be 0: the pole would be missed
     if value.is_Rational and value.q.bit_length() > 2 * _NOISE_BITS and abs(value.p) << _NOISE_BITS < value.q:
         return sp.S.Zero
     return value
@@ -222,6 +226,7 @@ def reduced(crossing: Continuation, initial: Initial, state: State, solution: So
         p[name], v[name] = (
             np.where(turned, -x, x) if np.shape(turned) else (-x if turned else x) for x in (p[name], v[name])
         )
+        # two reflections at once lead to the same meridian
         odd = odd ^ turned
         turns.pop(name, None)
     angle = solution.system.coordinate(crossing.angle)
@@ -230,6 +235,7 @@ def reduced(crossing: Continuation, initial: Initial, state: State, solution: So
         turns[angle.name] = turns[angle.name] + over
     else:
         nothing = 0 * next(iter(p.values()))
+        # beyond an odd number of poles the same place in space has φ + π
         q[angle.name] = _either_side(initial.values[angle.symbol], odd, nothing) + nothing
         p[angle.name] = v[angle.name] = nothing
     names = [c.name for c in solution.system.coordinates]
@@ -275,6 +281,7 @@ def _reflection(reflection: Reflection, initial: Initial, s: Elementwise) -> tup
     """Return the given coordinate, and where it was reached through an odd number of poles."""
     low, high = (None if end is None else _number(end, initial, s) for end in (reflection.lower, reflection.upper))
     if low is not None and high is not None:  # s is an angle in (−π, π]
+        # the continued coordinate is an angle of which the domain is one half of a turn
         turn = 2 * (high - low)
         below, above = s < low, s > high
         inside = np.where(below, 2 * low - s, np.where(above, 2 * high - s, s))
@@ -311,6 +318,7 @@ def _errors(crossing: Continuation, state: State, initial: Initial, names: list[
             if end is not None:
                 value = float(to_bits(end.subs(initial.values))(64))
                 away = np.abs(np.asarray(state.q[name], dtype=float) - value)
+                # within the error of a pole: both meridians are possible, and both signs of the momenta
                 near = near | (np.minimum(away, np.abs(away - 2 * np.pi)) <= q[name])
         angle = np.where(near, np.pi, angle)
         for group, values in ((p, state.p), (v, state.velocity)):

@@ -46,6 +46,7 @@ class UmbilicArc:
         """Return the times at which it leaves an umbilic and reaches the next."""
         moving = [(p, d) for k, (p, d) in enumerate(zip(paths, self.directions, strict=True)) if k != self.rest]
         one = self.offset.context.mpf(1)
+        # xᵢ = dᵢ at the end and −dᵢ at the beginning; Tᵢ is finite there, Lᵢ is not
         begin, end = (self.offset + sum(d * p.time(side * d * one) for p, d in moving) for side in (-1, 1))
         return begin, end
 
@@ -95,10 +96,12 @@ def following(arc: UmbilicArc, paths: tuple[Path, Path], corner: Corner) -> Umbi
     d, rest = arc.directions, None if arc.rest is None else 1 - arc.rest
     turned = arc.turned(rest)
     _, end = arc.ends(paths)
+    # τ of the new arc makes it begin when the old one ends
     begin = UmbilicArc(turned, None, 0 * end, rest).ends(paths)[0]
     if arc.level is None:
         return UmbilicArc(turned, None, end - begin, rest)
     c = paths[0].residues[d[0] > 0]
+    # D ← D − 2 Σ dᵢKᵢ + 2 c ν, with d₁, d₂ before they turn (head of this file)
     level = arc.level - 2 * sum(k * p.constant(k) for k, p in zip(d, paths, strict=True)) + 2 * c * corner.ratio
     return UmbilicArc(turned, level, end - begin)
 
@@ -121,6 +124,7 @@ def leaving(
     """
     level = None
     if slope is not None:
+        # D = Σ dᵢLᵢ with ln(ε₂/ε₁) = ln(y₂/y₁) − ν
         c = paths[0].residues[directions[0] < 0]
         level = sum(d * p.constant(-d) for d, p in zip(directions, paths, strict=True)) - c * (slope - corner.ratio)
     arc = UmbilicArc(directions, level, 0 * t, rest)
@@ -141,6 +145,7 @@ def places_on(arc: UmbilicArc, paths: tuple[Path, Path], t: Mpf) -> tuple[Mpf | 
         NotConvergedError: Newton's method does not come to its end.
     """
     begin, end = arc.ends(paths)
+    # the time left keeps its digits only towards the nearer end
     side = 1 if t - begin > end - t else -1  # towards the end that is nearer
     goal = abs((end if side > 0 else begin) - t)
     search = _Search(arc, paths, side, goal)
@@ -168,6 +173,7 @@ class _Search:
 
         def step(z: list[Mpf]) -> list[Mpf]:
             left, slope, *_ = self._clock(k, z[0])
+            # ln of the time left is linear in z next to the end: for the time itself steps would be half a unit of z
             return [-c.log(left / self.goal) * left / slope]
 
         (z,) = self._found(step, [0 * self.goal], self.paths[k].bits)
@@ -181,9 +187,11 @@ class _Search:
             rows = [self._clock(k, z[k]) for k in (0, 1)]
             left, level = rows[0][0] + rows[1][0], rows[0][2] + rows[1][2] - D
             off, (p, q), (a, b) = c.log(left / self.goal), (r[1] / left for r in rows), (r[3] for r in rows)
+            # Cramer's rule for D (slopes a, b) and ln(time left) (slopes p, q)
             turn = a * q - b * p
             return [(b * off - q * level) / turn, (p * level - a * off) / turn]
 
+        # far out d₁L₁ ≈ 2c z₁ and d₂L₂ ≈ −2c z₂ (ε = 2e^−2z): half of D to each of them
         own = D / (4 * self.paths[0].residues[d[0] > 0])
         one, two = self._found(step, [d[0] * own, -d[1] * own], self.paths[0].bits)
         return one, two
@@ -194,6 +202,7 @@ class _Search:
         for _ in range(_NEWTON_STEPS):
             change = step(z)
             size = max(abs(s) for s in change)
+            # a step back over the last one says that the longest was too long; without it two places can alternate
             if sum(s * t for s, t in zip(change, last, strict=True)) < 0:
                 longest /= 2
             last = [s * min(1, longest / size) if size else s for s in change]

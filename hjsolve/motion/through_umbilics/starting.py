@@ -74,6 +74,7 @@ class _Paths:
         resting = [k for k, place in enumerate(located.values()) if place.coordinate_motion.kind == "equilibrium"]
         for name in [self.names[k] for k in resting]:
             e = self.initial.values[self.solution.system.coordinate(name).symbol]
+            # p² has a double zero there: its path is that of the region above it
             beside = self._beside(name, e, 1)
             if beside is None:
                 return None
@@ -87,6 +88,7 @@ class _Paths:
             (k,) = resting
             arc = UmbilicArc((d[0], d[1]), None, -d[1 - k] * paths[1 - k].time(x[1 - k]), k)
         else:
+            # x = tanh z: levels are linear in z where x rounds to 1
             z = [v.context.atanh(v) for v in x]
             level = sum(side * path.level(a, b) for side, path, a, b in zip(d, paths, z, x, strict=True))
             arc = UmbilicArc(
@@ -99,6 +101,7 @@ class _Paths:
         place = to_bits(self.initial.values[c.symbol])(self.bits)
         p = to_bits(self.initial.values[c.momentum])(self.bits)
         x, d = path.coordinate_motion.position(place, (p > 0) - (p < 0))
+        # p = 0 at the end of a path: the coordinate rests there, and d names that end
         return x, d or (1 if x > 0 else -1)
 
     def _coordinate_motion(self, name: str, place: Located) -> CoordinatePath | None:
@@ -108,6 +111,7 @@ class _Paths:
         zeros = {side: self._zero(end) for side, end in ends.items() if end.kind == "asymptote"}
         if None in zeros.values() or not zeros:
             return None
+        # exact double zeros give as many bits as wanted; a zero that was found has half as many as p²
         values = {side: to_bits(e)(self.bits) for side, e in zeros.items() if e is not None}
         if len(values) == 2:
             return CoordinatePath(radicand, values[-1], values[1], None)
@@ -142,9 +146,11 @@ class _Paths:
         ends = [_exact(c.upper if side > 0 else c.lower) for c, side in zip(coordinate_motions, sides, strict=True)]
         place = tuple(e for e in ends if e is not None)
         one, two = (p.residues[side > 0] for p, side in zip(paths, sides, strict=True))
+        # d₁L₁ = −c ln ε₁ and d₂L₂ = c ln ε₂ with one c: else ε₂/ε₁ has no limit, and no direction goes on
         same = abs(one + two) <= one.context.mpf(10) ** -self.digits * abs(one)
         ratio = None
         if same and len(place) == len(ends):
+            # M₁₁ = h a and M₂₂ = h b must vanish together there, even about the place: else y₁ + i y₂ has no square
             ratio = metric_ratio(self.solution.system, tuple(self.fixed.items()), place)
         if ratio is None:
             return Corner(False, 0 * one)
@@ -155,6 +161,7 @@ class _Paths:
             for c in coordinate_motions
         ]
         c = one.context
+        # y₂/y₁ = √(M₂₂/M₁₁) δ₂/δ₁, and δᵢ = sizeᵢ εᵢ
         return Corner(passable, c.log(sizes[1] / sizes[0]) - c.log(to_bits(ratio)(self.bits)) / 2)
 
     def _weight(self, one: CoordinatePath, two: CoordinatePath) -> Mpf | None:
@@ -165,6 +172,7 @@ class _Paths:
                 kernels = coordinate_motion.radicand.weights(e, self.bits)
                 if len(kernels) != 2 or not kernels[1]:
                     return None
+                # the kernels grow as 1/δ at a double zero: with k₁ + w k₂ = 0 there the time of an arc is finite
                 found.append(-kernels[0] / kernels[1])
         tiny = found[0].context.mpf(10) ** -(self.digits + SPARE)
         return found[0] if all(abs(w - found[0]) <= tiny * (1 + abs(found[0])) for w in found) else None
@@ -193,6 +201,7 @@ class _Paths:
         begins, resting = [], None
         for k, (path, e, y) in enumerate(zip(paths, place, direction, strict=True)):
             coordinate_motion, here = path.coordinate_motion, to_bits(e)(self.bits)
+            # a path with a turning point has its one double zero at both ends, the lower one by convention
             below = coordinate_motion.turning is not None or abs(coordinate_motion.lower - here) < abs(
                 coordinate_motion.upper - here
             )
@@ -201,6 +210,7 @@ class _Paths:
                 resting = k
         directions = [-here for here in begins]
         if resting is not None:
+            # of a coordinate that rests ``directions`` holds the end at which it does (see UmbilicArc)
             directions[resting] = begins[resting]
         corner = corners((begins[0], begins[1]))
         c = direction[0].context
@@ -227,6 +237,7 @@ class _Paths:
 def _exact(x: Mpf) -> sp.Expr | None:
     """Return a part of π or a fraction that a number is to its digits; None where it is neither."""
     c = x.context
+    # a double zero is known to half the bits of p²
     tiny = c.ldexp(1 + abs(x), -min(c.prec, 512) // 2)
     fraction = c.nint(_MULTIPLES * x / c.pi)
     if abs(x - fraction * c.pi / _MULTIPLES) <= tiny:
@@ -270,6 +281,7 @@ def start_at_umbilic(
     initial = replace(_at_rest(solution, values, energy), exact=exact)
     bits = work_bits(digits)
     c = Multi(bits).context
+    # at an umbilic ∂x/∂q = 0 and places are of second order: x ≈ ½ Σ ∂ᵢⱼx δᵢδⱼ
     second = [
         [to_bits(sp.diff(x, *pair).subs(fixed).subs(dict(zip(q, here, strict=True))))(bits) for x in place.values()]
         for pair in ((q[0], q[0]), (q[0], q[1]))
@@ -279,7 +291,9 @@ def start_at_umbilic(
     across = second[0], [root * y for y in second[1]]
     real, imaginary = (c.fsum(a * b for a, b in zip(row, v, strict=True)) for row in across)
     refuse_normal(c.fsum(y**2 for y in v), (real**2 + imaginary**2) / c.fsum(y**2 for y in second[0]))
+    # half the angle in space: places are functions of the square of y₁ + i y₂
     angle = c.atan2(imaginary, real) / 2
+    # a rounded sine of a multiple of π is not a slow coordinate, but one that rests
     one, two = (c.zero if abs(y) < c.ldexp(1, -bits // 2) else y for y in (c.cos(angle), c.sin(angle)))
     direction = one, two
     motion = _Paths(solution, initial, digits).from_umbilic(here, direction, t0, parts)
@@ -331,6 +345,7 @@ def particle_mass(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Exp
     J = sp.Matrix(list(system.place.values())).jacobian(q)
     fixed = {p.symbol: values[p.symbol] for p in system.parameters}
     G, metric = (J.T * J).subs(fixed), M.subs(fixed)
+    # somewhere in general position: that T = m/2 ẋ·ẋ is an identity, so two places refute it
     at = {s: sp.Rational(3 + 2 * k, 7 + 4 * k) for k, s in enumerate(q)}
     m = sp.nsimplify(sp.N((metric[0, 0] / G[0, 0]).subs(at), 60), rational=True, tolerance=sp.Float(10) ** -40)
     for shift in (0, sp.Rational(1, 5)):
@@ -360,6 +375,7 @@ def momenta_of(
     J = sp.Matrix([[with_numbers(sp.diff(x, s), values) for s in q] for x in system.place.values()])
     v = sp.Matrix([velocity[axis] for axis in system.place])
     lifted, rows = J.T * v, J.evalf(30)
+    # the part of v in the tangent plane, J (JᵀJ)⁻¹ Jᵀ v: what is normal to it has no momentum
     flat = rows * (rows.T * rows).LUsolve(rows.T * v.evalf(30))
     refuse_normal(float((v.T * v)[0]), float((flat.T * flat)[0]))
     return {c.name: mass * lifted[k] for k, c in enumerate(system.coordinates)}

@@ -95,6 +95,7 @@ class UmbilicMotion(TransformedMotion):
             return None
         number, arc = found
         begin, end = arc.ends(arcs.paths)
+        # at the umbilic itself z is infinite: the coordinates are at their ends
         near = arcs.smallest(t)
         if t - begin <= near or end - t <= near:
             z: tuple[Mpf | None, Mpf | None] = (None, None)
@@ -111,6 +112,7 @@ class UmbilicMotion(TransformedMotion):
             c, coordinate_motion = path.residues[0].context, path.coordinate_motion
             x = c.mpf(sides[k]) if v is None else c.tanh(v)
             place, slope = coordinate_motion.place(x), coordinate_motion.slope(x) * arc.directions[k]
+            # the sign of p is that of dq/dt, which dq/dx and the direction of x give: p² says nothing of it
             size = c.zero if v is None else path.momentum(v, x) * (1 if slope > 0 else -1 if slope < 0 else 0)
             distance = min(abs(place - coordinate_motion.lower), abs(place - coordinate_motion.upper))
             if k == self.unfolding:
@@ -136,6 +138,7 @@ class UmbilicMotion(TransformedMotion):
         )
         if arcs.known[1][0].rest is not None:  # moves on every second arc alone
             return self._unfolded_resting(side, count)
+        # two reflections about different ends make a shift by twice their distance
         pairs, odd = divmod(count, 2)
         shift, direction = 2 * pairs * (ends[0] - ends[1]), 1
         return (shift + 2 * ends[0], -1) if odd else (shift, direction)
@@ -160,8 +163,10 @@ class UmbilicMotion(TransformedMotion):
         rows: dict[str, list[Mpf]] = {n: [] for n in names}
         for m in range(len(q[names[0]])):
             context = q[names[0]][m].context
+            # nan: the motion ended before
             if any(q[n][m] != q[n][m] for n in names):
                 own = dict.fromkeys(names, context.nan)
+            # q̇ = p/(h a) with h = 0; of ẋ in space nothing is infinite there
             elif all(away[n][m] == 0 for n in names):
                 own = dict.fromkeys(names, context.inf)
             else:
@@ -190,6 +195,7 @@ class UmbilicMotion(TransformedMotion):
         exactly = {n: np.array([x == 0 for x in away[n]]) for n in q}
         size = {n: [np.abs(x.astype(float)) for x in (q[n], p[n], v[n])] for n in q}
         with np.errstate(all="ignore"):
+            # near umbilics q̇ ∝ 1/distance, so that a change of place changes p and q̇ in proportion to it
             relative = 16 * sum(moved.values()) / near
             places = {n: np.where(exactly[n], 0.0, moved[n]) + unit * size[n][0] + _LEAST for n in q}
             momenta = {n: np.where(exactly[n], 0.0, size[n][1] * relative) + unit * size[n][1] for n in q}
@@ -231,5 +237,6 @@ def going_on(motion: Motion, arcs: Arcs, unfolding: int) -> UmbilicMotion:
         arcs: what it does.
         unfolding: the coordinate that goes on at each.
     """
+    # the separated equations come to rest at each umbilic: their periods and times at the ends are not the motion's
     states_only = replace(motion, frequencies={}, periods={}, boundary_times={})
     return UmbilicMotion.of(states_only, arcs=arcs, unfolding=unfolding)

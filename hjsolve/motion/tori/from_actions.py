@@ -82,6 +82,7 @@ def asked_torus(
     values, constants = dict(values), {}
     for c in solution.system.coordinates:
         if c.name not in solution.coordinates:
+            # J of an ignorable angle is its momentum, and where it is does not matter to the torus
             values |= {c.symbol: sp.Integer(0), c.momentum: actions[c.name]}
             constants[c.momentum.name] = actions[c.name]
     curves = tuple(curves_of(solution, values, walls or {})) if solution.coordinates else ()
@@ -108,6 +109,7 @@ def tori_of(asked: AskedTorus, found: Iterable[Candidate]) -> list[tuple[Candida
     """
     tori: list[tuple[Candidate, Torus]] = []
     for candidate in found:
+        # Newton's method in many digits would only find the same torus again
         if any(_leads_to(candidate, other, torus) for other, torus in tori):
             continue
         torus = polished(_goal(asked, candidate), asked.curves, candidate)
@@ -164,6 +166,7 @@ def motion_on_torus(
     values = parameter_values(solution.system, arguments.table(parameters, "parameters", '{"m": 1}'))
     asked = asked_torus(solution, values, J, digits, parts, exact=all_exact(actions, angles, parameters))
     exact_t0 = number(t0, source="t0")
+    # all coordinates are ignorable: the angles are the coordinates themselves
     if not solution.coordinates:
         values = {**asked.values, **{c.symbol: θ[c.name] for c in solution.system.coordinates}}
         initial = Initial(values, asked.constants, asked.exact)
@@ -173,6 +176,7 @@ def motion_on_torus(
     tori = tori_of(asked, left)
     if not tori:
         raise InvalidInputError(_no_torus(asked))
+    # J does not tell wells of equal area, or motions inside and above a barrier, from one another
     if len(tori) > 1:
         words = "; ".join(sorted(_in_words(asked.curves, candidate) for candidate, _ in tori))
         raise SeveralToriError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {words}")
@@ -253,6 +257,7 @@ def _numbers(given: Values, names: Sequence[str], what: str) -> dict[str, sp.Exp
 def _shift(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], name: str) -> sp.Expr:
     """Return what a rotation adds to J for the action of its shell momentum P = p + A: the mean of A over a turn."""
     A, q = solution.shift[name].subs(values), solution.system.coordinate(name).symbol
+    # ∮ p dq = ∮ P dq − ∮ A dq; over a libration the last term is 0, as the way there and back cancel
     return sp.S.Zero if A == 0 else sp.integrate(A, (q, 0, 2 * sp.pi)) / (2 * sp.pi)
 
 
@@ -272,6 +277,7 @@ def _goal(asked: AskedTorus, chosen: Candidate) -> Goal:
     solution, actions, directions = asked.solution, [], []
     for name, cycle in zip(solution.coordinates, chosen.cycles, strict=True):
         own = asked.actions[name]
+        # of the shell momentum P, in which p² is even
         own += _shift(solution, asked.values, name) if cycle.kind == "rotation" else 0
         directions.append(-1 if sign(own) < 0 else 1)
         actions.append(abs(own))
@@ -326,6 +332,7 @@ def _fits(curves: Sequence[RadicandCurve], candidate: Candidate, wells: Mapping[
             margin = 1e-9 * (abs(cycle.high) + abs(cycle.low))
             q = wells[curve.name]
             if curve.turn:
+                # the hint may be given a turn or more from the samples
                 q += curve.turn * np.ceil((cycle.low - margin - q) / curve.turn)
             if not cycle.low - margin <= q <= cycle.high + margin:
                 return False
@@ -341,6 +348,7 @@ def _same(one: Torus, other: Torus) -> bool:
     for name, place in one.located.items():
         ends = [(p.lower.place, p.upper.place) for p in (place, other.located[name])]
         (low, high), (under, over) = ends
+        # equal constants do not make one torus: two wells that mirror each other have them
         if low and high and under and over and (low(128) > over(128) or under(128) > high(128)):
             return False
     return True

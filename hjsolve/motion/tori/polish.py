@@ -121,6 +121,7 @@ def polished(goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate) 
     κ = [context.mpf(float(x)) for x in candidate.constants]
     for j, name in enumerate(names):
         if name in goal.constants:
+            # known constants are exact, whatever the search in doubles had of them
             κ[j] = to_bits(goal.constants[name])(bits)
     unknown = [j for j, name in enumerate(names) if name not in goal.constants]
     goals = [to_bits(x)(bits) for x in goal.actions]
@@ -219,10 +220,12 @@ def _tried(
     jets = [curve.exactly(top, κ, bits) for curve, top in zip(curves, tops, strict=True)]
     values = dict(goal.values)
     constants = {name: number(x, source=name) for name, x in zip(solution.constants, κ, strict=True)}
+    # exact where they are known: κ holds binary numbers next to them
     constants |= goal.constants
     for curve, top, jet, direction in zip(curves, tops, jets, goal.directions, strict=True):
         coordinate = solution.system.coordinate(curve.name)
         values[coordinate.symbol] = number(top, source=curve.name)
+        # the maximum of p² is inside the well whatever J is; where p² < 0 there, J is continued below zero
         p = number(abs(jet[0]) ** 0.5, source=curve.name) * direction
         values[coordinate.momentum] = p - solution.shift[curve.name].subs(values)
     initial = Initial(values, constants, goal.exact)
@@ -230,6 +233,7 @@ def _tried(
     residuals, slopes, whole = [], [], True
     for i, (curve, J, (squared, _, bend)) in enumerate(zip(curves, goals, jets, strict=True)):
         begin = replace(coordinate_start(solution, initial, curve.name), parts=goal.parts)
+        # J → p²ₘₐₓ/√(−2 (p²)″) goes on through zero, so that Newton's method may come from p² < 0
         if not J or not squared > 0:
             if not bend < 0:
                 return None
@@ -247,6 +251,7 @@ def _tried(
         coordinate_motion = place.coordinate_motion
         if coordinate_motion.bounded is None or coordinate_motion.action is None or coordinate_motion.rests:
             return None
+        # on the other side of a separatrix J is of another family, and no small residual would mean anything
         if coordinate_motion.rotates != (kinds[i] == "rotation"):
             return None
         located[curve.name] = place
@@ -261,6 +266,7 @@ def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
     The place itself where p² has none there.
     """
     _, slope, bend = curve.exactly(top, κ, bits)
+    # Newton's own step says how far the maximum is: four of them hold it, and not the next hill
     farthest = 4 * abs(slope / bend) if bend < 0 else 0 * top
     low, high = max(top - farthest, curve.lower), min(top + farthest, curve.upper)
     place = stationary(
@@ -286,6 +292,7 @@ def between_walls(start: CoordinateStart, walls: tuple[bool, bool], digits: int)
     """
     if not any(walls):
         return locate(start, digits)
+    # with one cell from wall to wall the rule for kinks throws the momentum back at its ends
     whole = replace(start, cells=(Cell(start.lower, start.upper, start.radicand),), winding=None)
     lower, upper = (_thrown_back(kinks.reached(whole, side, digits), walls[side > 0]) for side in (-1, 1))
     if "wall" not in {lower.end.kind, upper.end.kind} or not {lower.end.kind, upper.end.kind} <= {"turning", "wall"}:

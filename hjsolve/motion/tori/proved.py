@@ -73,6 +73,7 @@ def proved_torus(
     for attempt in range(_ATTEMPTS):
         with working(max(work_bits(digits), kept + _ROUNDING) << attempt):
             known = [exact_ball(motion.initial.constants[name]) for name in names]
+            # ignorable momenta stay balls: they are given, not sought
             centre = _Box([x.mid() if j in unknown else x for j, x in enumerate(known)], unknown)
             try:
                 step = _step(motion, goal, curves, (centre, kept << attempt, digits))
@@ -115,6 +116,7 @@ def _step(
     try:
         inverse = near.inv()
         middle, lost = _middle(motion, goal, curves, (centre, kept, inverse))
+        # |K⁻¹| |J − J(α₀)| is the step to be expected; the box is twice as wide, so that the step ends well inside
         reach = [
             sum((_WIDER * abs(inverse[k, i]).upper() * lost[i].abs_upper() for i in range(n)), flint.arb(0)).upper()
             for k in range(n)
@@ -127,11 +129,13 @@ def _step(
             name: dict(zip(c.wanted, certified_means(c, bits_for(digits, 12)), strict=True))
             for name, c in cycles.items()
         }  # fmt: skip
+        # p² without αⱼ: the derivative is 0 exactly, and is not integrated
         growths = {name: [row.get(j, flint.arb(0)) for j in range(len(box))] for name, row in found.items()}
         K = flint.arb_mat([[growths[curve.name][j] for j in unknown] for curve in curves])
         move = K.solve(flint.arb_mat([[x] for x in lost]))
     except ZeroDivisionError as error:  # a singular matrix cannot be excluded
         raise NotConvergedError("actions: the torus could not be proved; its ∂J/∂α may be singular") from error
+    # strictly inside: theorem 8.4 needs the interior of the box for existence and uniqueness
     if not all(abs(move[k, 0]) < reach[k] for k in range(n)):
         raise NotConvergedError("actions: the torus could not be proved; Newton's step leads out of its box")
     constants = list(middle)
@@ -148,6 +152,7 @@ def _middle(
     at = list(centre.constants)
     for step in range(_NEWTON_STEPS):
         cycles = _cycles(motion, curves, at).values()
+        # J − J(α₀) keeps only the bits in which they differ: J(α₀) has _KEPT bits more than the result
         lost = [
             exact_ball(J) - certified_means(replace(cycle, wanted=(-1,)), kept)[0]
             for J, cycle in zip(goal.actions, cycles, strict=True)
@@ -167,6 +172,7 @@ def _cycles(
     result = {}
     for curve in curves:
         coordinate_motion = required(motion.located[curve.name].coordinate_motion.cycle)
+        # the formula in all constants: for a box no number of this one motion may stand in it
         radicand = replace(coordinate_motion.radicand, squared=curve.squared, kernels=curve.kernels)
         inputs = [*constants, *(exact_ball(x) for x in curve.parameters)]
         cycle = cycle_of(motion, curve.name, BallMomentumSquared(radicand, inputs, flint.ctx.prec))

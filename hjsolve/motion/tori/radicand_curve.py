@@ -122,6 +122,7 @@ class RadicandCurve:
             return self.lower + scales
         if np.isfinite(self.upper):
             return self.upper - scales[::-1]
+        # a line has no end next to which zeros crowd: fewer scales do
         half = np.unique(2.0 ** np.concatenate([np.linspace(-20, 30, 51), np.linspace(-5, 5, 61)]))
         return np.concatenate([-half[::-1], [0.0], half])
 
@@ -190,11 +191,13 @@ def cycle_near(
         harmonic: whether J is to be zero.
         start: place from where the maximum lies uphill; None for the highest of the interval.
     """
+    # not the interval itself: after a step of Newton's method the well has moved
     top = place_of_maximum(curve, κ, low, high, start)
     value = float(curve.value(np.array([top]), κ)[0])
     if harmonic or not value > 0 or _is_small(curve, κ, top):
         return _harmonic(curve, κ, top)
     if curve.turn:
+        # p² is periodic: equal steps converge geometrically, and p > 0 all round says that it rotates
         q = top + curve.turn * np.arange(4 * _NODES) / (4 * _NODES)
         squared = curve.value(q, κ)
         if np.all(squared > 0):
@@ -205,12 +208,14 @@ def cycle_near(
     a, b = _turning_point(curve, κ, top, -1), _turning_point(curve, κ, top, 1)
     if a is None or b is None:
         return None
+    # q = m − h cos χ: p dq/dχ is smooth and even at both turning points (Gauss and Chebyshev's rule)
     χ = (np.arange(_NODES) + 0.5) * np.pi / _NODES
     half = (b - a) / 2
     q = (a + b) / 2 - half * np.cos(χ)
     p = np.sqrt(np.maximum(curve.value(q, κ), 0))
     speed = half * np.sin(χ)
     with np.errstate(all="ignore"):
+        # rounding may make p² ≤ 0 at a node next to a turning point: that node is left out
         slopes = np.mean(curve.weights(q, κ) * (speed / np.where(p > 0, p, np.inf)), axis=1)
     return Cycle("libration", a, b, top, float(np.mean(p * speed)), slopes)
 
@@ -226,6 +231,7 @@ def _harmonic(curve: RadicandCurve, κ: Reals, top: float) -> Cycle | None:
     value, _, bend = curve.bend(top, κ)
     if not bend < 0:
         return None
+    # p² ≈ v − (r q)² with r² = −(p²)″/2: an ellipse of half axes √v and √v/r, J its area over 2π = v/(2r)
     root = np.sqrt(-bend / 2)
     width = np.sqrt(abs(value)) / root
     return Cycle(
@@ -260,10 +266,12 @@ def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float, s
     if start is not None:
         nearest = int(np.argmin(np.abs(q - start)))
         best = nearest if values[nearest] > -np.inf else best
+    # uphill to the next maximum; the highest sample of all may belong to another well
     for step in (-1, 1):
         while 0 <= best + step < len(q) and values[best + step] > values[best]:
             best += step
     top = float(q[best])
+    # Newton's method on (p²)′ must not leave the hill: two samples on either side hold its top
     bottom, ceiling = float(q[max(best - 2, 0)]), float(q[min(best + 2, len(q) - 1)])
     place = stationary(
         lambda q: curve.bend(q, κ), top, lambda bend, q: bend < 0 and bottom <= q <= ceiling,
@@ -278,12 +286,14 @@ def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> fl
     natural = min(max(abs(top), 1e-3), abs(end - top)) if np.isfinite(end) else max(abs(top), 1e-3)
     away = natural * _REACH
     if np.isfinite(end):
+        # half the way by multiples, the rest by halves of what is left: zeros crowd at an end that is a pole
         gap = abs(end - top)
         away = np.unique(np.concatenate([away[away < gap / 2], gap * (1 - 2.0 ** -np.arange(1.0, 50.0))]))
     if curve.turn:
         away = np.unique(np.concatenate([away[away < curve.turn], curve.turn * np.arange(1, 129) / 128]))
     values = curve.value(top + side * away, κ)
     first = int(np.argmin(values > 0))
+    # a barrier thinner than the samples lies before the first of them that is forbidden
     inside, outside = _thin_barrier(curve, κ, top, side, away, values)
     if outside == np.inf:
         if values[first] > 0:
@@ -298,6 +308,7 @@ def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> fl
         here, there = float(values[first]), float(values[first + 1])
         if outside - inside <= 1e-14 * abs(top):
             break
+    # a chord of the last bracket; its middle where p² has no real value beyond the zero
     ratio = here / (here - there) if here > 0 > there else 0.5
     return top + side * (inside + (outside - inside) * ratio)
 

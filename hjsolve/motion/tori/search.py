@@ -177,11 +177,13 @@ def _families(curves: Sequence[RadicandCurve], tables: Sequence[_Runs], allowed:
         for shift in shifts:
             overlap |= (low[:, None] < high[None, :] + shift) & (low[None, :] + shift < high[:, None])
         both = round_[:, None] & round_[None, :]
+        # as many maxima of p², and intervals in common: nothing was joined or cut between the two
         same = (round_[:, None] == round_[None, :]) & (maxima[:, None] == maxima[None, :])
         joined &= both | (same & overlap)
     np.fill_diagonal(joined, val=True)
     numbers = np.arange(len(allowed))
     while True:
+        # every sample takes the smallest number among those joined to it, until none changes (connected components)
         least = np.min(np.where(joined, numbers[None, :], len(allowed)), axis=1, initial=len(allowed))
         least = least[least] if len(least) else least
         if np.array_equal(least, numbers):
@@ -212,6 +214,7 @@ def _sampled(
         grid = curve.samples()
         inner = np.arange(len(grid) // 4, 3 * len(grid) // 4) if curve.turn else np.arange(len(grid))
         places = np.unique(inner[np.linspace(0, len(inner) - 1, min(most, len(inner))).astype(int)])
+        # p of a free rotation with this J; what the potential makes of it Newton's method finds
         momentum = wanted.of(i, "rotation") if curve.turn else 0.0
         if all(curve.walls):  # between walls there need not be a place of rest
             momentum = np.pi * wanted.of(i, "libration") / (curve.upper - curve.lower)
@@ -222,6 +225,7 @@ def _sampled(
     names = [system.coordinate(curve.name) for curve in curves]
     known = {s: v for s, v in values.items() if s not in {c.symbol for c in names} | {c.momentum for c in names}}
     symbols = [*(c.symbol for c in names), *(c.momentum for c in names), *known]
+    # constants of the motion through each sample: κ needs no search of its own
     tape = lower([c.expression for c in solution.constants.values()], symbols)
     starts = [curve.samples()[at] for curve, at in zip(curves, positions, strict=True)]
     with np.errstate(all="ignore"):
@@ -276,6 +280,7 @@ def _newton(
     """Solve J(α) = J from a sample; None where the steps lead nowhere."""
     κ = begin.copy()
     goals = np.array([wanted.of(i, kind) for i, kind in enumerate(kinds)])
+    # relative to each J, but not below a millionth of all: of a J of 0 nothing relative is known
     size = np.abs(goals) + 1e-6 * wanted.scale
     cycles = _cycles(curves, κ, intervals, kinds, goals)
     if cycles is None:
@@ -297,6 +302,7 @@ def _newton(
             if new is None:
                 continue
             left = float(np.max(np.abs(goals - np.array([c.action for c in new])) / size))
+            # a whole step of Newton's method must gain an eighth, a part of it as much in proportion (Armijo's rule)
             if left < now * (1 - fraction / 8):
                 κ, cycles = trial, new
                 break
