@@ -253,9 +253,7 @@ def _integrate(
 def series_of(found: FollowedTori, index: Integers) -> RunningSeries:
     """Return the running integrals of some of the orbits."""
     means, coefficients, map_, size, turns = found.series
-    return RunningSeries(
-        means[..., index], coefficients[:, index], map_[:, index], size[:, index], turns[..., index]
-    )
+    return RunningSeries(means[..., index], coefficients[:, index], map_[:, index], size[:, index], turns[..., index])
 
 
 def _scratch(series: RunningSeries) -> PhaseScratch:

@@ -200,7 +200,7 @@ def _phase(φ: float, orbit: RunningSeries, k: int, i: int, tables: Tables) -> t
 
 @helper
 def _waves(χ: float, first: float, count: int, waves: Reals) -> None:
-    """Write sin kχ, k cos kχ, cos kχ and −k sin kχ for k = ``first``, 2 ``first``, …"""
+    """Write sin kχ, k cos kχ, cos kχ and −k sin kχ for the multiples k of ``first``."""
     s1, c1 = sincos(first * χ)
     s, c = s1, c1
     for p in range(count):
