@@ -80,12 +80,12 @@ def followed(
     (size, n), m = tori.q.shape, len(task.model.constants)
     turning = np.zeros((size, n)) if turning is None else turning
     nodes = (_NODES_OF_TURNS if turning.any() else _NODES) if series else 0
+    maps, sizes = np.zeros((2, size, n), dtype=np.int64)
+    series_ = RunningSeries(
+        np.full((size, m, n), np.nan), np.empty((size, n, m, nodes)), maps, sizes, np.full((size, 3 + m, n), np.nan)
+    )
     made = FollowedTori(
-        np.full((size, n), np.nan), tori.ends.copy(), np.zeros((size, n)), np.zeros((size, n), dtype=bool),
-        RunningSeries(
-            np.full((size, m, n), np.nan), np.empty((size, n, m, nodes)), *np.zeros((2, size, n), dtype=np.int64),
-            np.full((size, 3 + m, n), np.nan),
-        ),
+        np.full((size, n), np.nan), tori.ends.copy(), np.zeros((size, n)), np.zeros((size, n), dtype=bool), series_,
         np.ones(n, dtype=bool),
     )  # fmt: skip
     for k in range(size):
