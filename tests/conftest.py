@@ -3,6 +3,7 @@
 import gc
 import os
 import re
+import sys
 from typing import Any
 
 import pytest
@@ -45,6 +46,13 @@ def pytest_collection_finish() -> None:
     """What was collected stays to the end: circles are not looked for in it."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown() -> None:
+    """Close what a test drew: pyplot keeps figures open, and the next test of the process would count them as its own."""
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

@@ -7,7 +7,6 @@ import contextlib
 import io
 import math
 import re
-import sys
 from pathlib import Path
 
 import pytest
@@ -87,7 +86,6 @@ def test_the_cells_of_a_tutorial_run(page: Path) -> None:
     assert len(cells(page)) >= 5
     for code in cells(page):
         exec(compile(ast.parse(code), str(page), "exec"), shared)
-    sys.modules["matplotlib.pyplot"].close("all")
 
 
 def test_readme_shows_at_least_three_numbers() -> None:
