@@ -245,6 +245,17 @@ class CompiledForm:
         return curves_held(self.form, self.held)
 
     @cached_property
+    def turned(self) -> list[tuple[int, _Compiled]]:
+        """Positions of angles among the arguments, and the middles of the turns that their curves are of."""
+        middles = [
+            (self.symbols.index(symbol), curve.substitution.inverse.subs(curve.x, 0))
+            for curve, _, symbol in self.placed
+            if curve.substitution.closed and curve.coordinate.domain.kind == "angle"
+        ]
+        known = set(self.symbols)
+        return [(k, self.regime.compiled(self.symbols, e)) for k, e in middles if e.free_symbols <= known]
+
+    @cached_property
     def where(self) -> dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]:
         """What the form rests on, in order."""
         where = self.regime.arrange.definitions(self.roots) if self.regime.arrange else self.form.where
@@ -276,6 +287,9 @@ class CompiledForm:
 
     def one(self, numbers: Sequence[Mpf | float]) -> Mpf:
         """At one place; nan outside the regime."""
+        numbers = [*map(mp.mpmathify, numbers)]
+        for k, middle in self.turned:
+            numbers[k] -= 2 * mp.pi * mp.nint((numbers[k] - middle(*numbers)) / (2 * mp.pi))
         given = dict(zip(self.symbols, numbers, strict=True))
         if not self.regime.one_is_inside(given, self.placed):
             return mp.nan
@@ -293,6 +307,9 @@ class CompiledForm:
         places = np.broadcast_arrays(*listed) if listed else []
         shape = places[0].shape if places else ()
         flat = [np.ravel(a) for a in places]
+        for k, middle in self.turned:
+            with np.errstate(all="ignore"):
+                flat[k] = flat[k] - 2 * np.pi * np.rint((flat[k] - middle(*flat)) / (2 * np.pi))
         blocks = [
             self._block([a[begin : begin + _BLOCK] for a in flat], min(_BLOCK, math.prod(shape) - begin))
             for begin in range(0, max(1, math.prod(shape)), _BLOCK)

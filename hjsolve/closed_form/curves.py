@@ -119,7 +119,8 @@ def _plainness(curve: MomentumCurve) -> tuple[int, ...]:
     ranked = 4 if elliptic and exponential else degree
     odd = degree > 2 and any(n % 2 for (n,) in P.monoms())
     return (
-        genus(degree), int(not plain), ranked, int(odd), int(elliptic and exponential), degree, int(sp.count_ops(place))
+        genus(degree), int(not plain), ranked, int(odd), int(elliptic and exponential), degree,
+        int(sp.count_ops(place.as_coeff_Mul()[1])),  # -sin((d - q)/2) is no longer than sin(q/2)
     )  # fmt: skip
 
 

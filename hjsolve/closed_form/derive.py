@@ -13,7 +13,7 @@ from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
 from hjsolve.closed_form.regime import described_regime
-from hjsolve.closed_form.regions import RootInterval, root_interval_of
+from hjsolve.closed_form.regions import RootInterval, in_its_well, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.special_cases import deciders, fixed_constant, special_cases_of
@@ -114,7 +114,9 @@ def form_of_sample(
 
 
 def _ordering(own: CoordinateIntegrals) -> str:
-    """Between which of its real roots a coordinate moves, where P has named ones."""
+    """In which well a coordinate moves, or between which of its real roots, where P has named ones."""
+    if own.regions and own.kind == "libration" and (s := own.regions[0][0].substitution).turns > 1:
+        return f"{own.name} about {s.q(sp.S.Zero)}"
     if not own.regions or own.regions[0][0].degree <= 2:
         return ""
     curve, region = own.regions[0]
@@ -172,7 +174,8 @@ def moved_to(known: CoordinateIntegrals, sample: Sample) -> CoordinateIntegrals:
 
 
 def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
-    return Signs(sample.values, mp.mpf(0)).agree(known.conditions) and _on(known.regions, sample)
+    here = all(in_its_well(curve, sample) for curve, _ in known.regions)
+    return here and Signs(sample.values, mp.mpf(0)).agree(known.conditions) and _on(known.regions, sample)
 
 
 def special_of(context: FormContext, exact: Mapping[sp.Symbol, sp.Expr]) -> Iterator[tuple[sp.Symbol, sp.Expr]]:

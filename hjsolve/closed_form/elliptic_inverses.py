@@ -20,7 +20,8 @@ _FUNCTIONS = {"sn": JacobiSN, "cn": JacobiCN, "dn": JacobiDN}
 
 
 def elliptic_inverse(
-    change: EvenMap | LegendreMap | CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
+    change: EvenMap | LegendreMap | CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities,
+    unwound: Callable[[sp.Expr], sp.Expr] | None = None,
 ) -> sp.Expr:  # fmt: skip
     """Return the x at which ∫ dx/√P from a place has a value.
 
@@ -29,6 +30,7 @@ def elliptic_inverse(
         amount: the value.
         begin: the place, an x.
         names: of the quantities of the form.
+        unwound: writes arcs of the place as functions of the coordinate.
 
     Raises:
         NoFormError: P has no real root to begin at.
@@ -47,7 +49,7 @@ def elliptic_inverse(
         φ_0 = sp.asin(sp.sqrt(names.oriented(sp.factor(change.s(begin)))))
     # sn² , cn and dn do not change with the sign of the phase: it begins at the turning point
     even = isinstance(change, LegendreMap) or change.kind != "sn"
-    start = sp.elliptic_f(monotone_inverse(φ_0), k**2)
+    start = sp.elliptic_f(monotone_inverse(φ_0 if unwound is None else unwound(φ_0)), k**2)
     return place_of_argument(
         change, Phase(names, amount, change.direction * change.rate, start, even=even).argument, names
     )

@@ -252,7 +252,7 @@ def _elliptic(
     if integral.first is None or integral.change is None:
         raise NoFormError(NotOfTheFirstKind(own.name, integral.curve.x, integral.rational))
     amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
-    x = elliptic_inverse(integral.change, amount, begin, names)
+    x = elliptic_inverse(integral.change, amount, begin, names, lambda e: s.unwound(e, q, start))
     place = s.q(x)
     found, reason = [place], NoFormError("")
     if (

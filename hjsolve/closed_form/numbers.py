@@ -52,6 +52,7 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     expression = wanted_form(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
+    exact |= angles_in_turn(form, exact)
     refuse_places(form, exact)
     for times in _TIMES_THE_DIGITS:
         # roots and constants to twice the digits: what differs between both evaluations is lost by the form alone
@@ -114,6 +115,23 @@ def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
             middle, half = float(middle_of(curve, numbers)), float(number_of(curve.substitution.turn, numbers)) / 2
             turn = f"; the form is that of one turn, {symbol} from {middle - half:.3g} to {middle + half:.3g}"
         raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is outside this regime's motion{turn}")
+
+
+def angles_in_turn(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+    """Return angles, and lower limits that are, less the whole turns that they are from the middle of their curve's.
+
+    Args:
+        form: of a regime.
+        exact: symbol → exact value, of constants, coordinates and lower limits.
+    """
+    found = dict[sp.Symbol, sp.Expr]()
+    for curve, _, symbol in curves_held(form, exact):
+        if curve.substitution.closed and curve.coordinate.domain.kind == "angle":
+            numbers = many_digits(exact, DIGITS)
+            with mp.workdps(DIGITS):
+                turns = int(mp.nint((numbers[symbol] - middle_of(curve, numbers)) / (2 * mp.pi)))
+            found[symbol] = exact[symbol] - 2 * sp.pi * turns
+    return found
 
 
 def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:

@@ -21,7 +21,7 @@ from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map, without_square
 from hjsolve.closed_form.reduction import reduced
-from hjsolve.closed_form.regions import RootInterval, root_interval_of
+from hjsolve.closed_form.regions import RootInterval, in_its_well, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.special_cases import deciders
@@ -193,7 +193,7 @@ def piece(
         The piece; None where the motion is at rest or asymptotic in this coordinate.
     """
     made = CoordinateIntegrals(name, sample, numerators, start=start)
-    for curve in found:
+    for curve in sorted(found, key=lambda one: not in_its_well(one, sample)):
         missing = [key for key in numerators if key not in made.integrals]
         if not missing:
             break
@@ -270,8 +270,8 @@ class _Task:
         cycle = None
         if whole is not None:
             # a libration passes its interval twice; x may fall where q grows
-            cycle = whole * (2 if region.kind == "libration" else 1) * (1 if s.increasing else -1)
-        value = monotone_inverse(value)
+            cycle = whole * (2 if region.kind == "libration" else s.turns) * (1 if s.increasing else -1)
+        value = monotone_inverse(s.unwound(value, curve.coordinate.symbol, curve.coordinate.symbol))
         if longer_than(value, LONGEST_FORM):
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
         # only an integral of the first kind has a single-valued inverse (Jacobi): sn, cn, dn

@@ -273,6 +273,8 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
     # simple roots on both sides: p² changes sign there and the motion turns back
     elif both == {"root"}:
         kind = "libration"
+        if not in_its_well(curve, sample):
+            return None  # the same turning points in x as in its own well
     # of an angle, without a root on the circle
     elif s.closed:
         kind = "rotation"
@@ -295,6 +297,22 @@ def place_of_rest(curve: MomentumCurve, key: tuple[str, int], numbers: Numbers) 
         roots, _ = real_roots(curve, numbers)
         low, high = (number_of(end, numbers) for end in (curve.substitution.lower, curve.substitution.upper))
         return next(value for value, mark in _marks(curve, roots, numbers, low, high) if mark == key)
+
+
+def in_its_well(curve: MomentumCurve, sample: Sample) -> bool:
+    """Return whether a motion is in the well about the middle of the curve's turn, of which an angle has several.
+
+    Args:
+        curve: of the coordinate.
+        sample: the motion.
+    """
+    s = curve.substitution
+    if s.turns == 1:
+        return True
+    q, numbers = sample.places[curve.coordinate.name], many_digits(sample.values, DIGITS)
+    with mp.workdps(DIGITS):
+        away = (number_of(q, {}) - middle_of(curve, numbers)) / (2 * mp.pi)
+        return bool(abs(away - mp.nint(away)) * 2 * s.turns <= 1)
 
 
 def _value(curve: MomentumCurve, place: mpmath.mpf, numbers: Numbers) -> mpmath.mpf:

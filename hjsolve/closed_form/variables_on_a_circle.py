@@ -7,7 +7,7 @@ about a place; on a part of a turn the one that is monotone there; between poles
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
@@ -21,6 +21,9 @@ from hjsolve.closed_form.change_of_variable import (
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
 S, C = sp.Symbol("_S", real=True), sp.Symbol("_C", real=True)
+_CIRCULAR = (sp.sin, sp.cos, sp.tan)
+_MOST_WELLS = 12
+"""Equal wells along an angle of which each has a variable of its own."""
 
 
 def circular_variables(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iterator[Substitution]:
@@ -33,13 +36,21 @@ def circular_variables(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) ->
     """
     q = coordinate.symbol
     lower, upper = extended_domain_ends(coordinate)
-    found = _base(square, q, (sp.sin, sp.cos, sp.tan))
+    line, angle = lower is -sp.oo and upper is sp.oo, coordinate.domain.kind == "angle"
+    middle, centred = _about_middle(square, q) if line or angle else (sp.S.Zero, square)
+    if middle != 0:  # -cos(x - d) is a pendulum about d
+        for one in circular_variables(centred, coordinate, x):
+            yield replace(one, place=one.place.subs(q, q - middle), inverse=one.inverse + middle)
+        return
+    found = _base(square, q, _CIRCULAR)
     if found is None:
         return
-    line, angle, known = lower is -sp.oo and upper is sp.oo, coordinate.domain.kind == "angle", [found]
+    known = [found]
     # the whole angle before its half: cos x has half the degree of cos² (x/2)
     while (doubled := _of_whole_angle(*known[-1])) is not None and (line or len(known) < 2):
         known.append(doubled)
+    if angle and (wells := _number_of_wells(known[-1][0])) > 1:
+        yield from _half_sine(known[-1][1], _Turn(q, x, known[-1][0], wells))
     if line or (angle and known[-1][0] == 1):
         known = known[-1:]
     none = True
@@ -56,6 +67,24 @@ def circular_variables(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) ->
             known.append(doubled)
         κ, function = known[-1]
         yield from _of_multiples(function, κ, coordinate, x, turn=True)
+
+
+def _about_middle(square: sp.Expr, q: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
+    """Return the place from which all arguments are multiples of q, and P² seen from there; 0 where there is none."""
+    atoms = [a for a in square.atoms(*_CIRCULAR) if a.has(q)]
+    slopes = [sp.diff(a.args[0], q) for a in atoms]
+    if not atoms or any(slope.has(q) for slope in slopes):
+        return sp.S.Zero, square
+    offsets = [sp.expand(a.args[0] - slope * q) for a, slope in zip(atoms, slopes, strict=True)]
+    middle = sp.cancel(-offsets[0] / slopes[0])
+    if any(sp.cancel(δ + slope * middle) != 0 for δ, slope in zip(offsets, slopes, strict=True)):
+        return sp.S.Zero, square
+    return middle, square.xreplace({a: a.func(slope * q) for a, slope in zip(atoms, slopes, strict=True)})
+
+
+def _number_of_wells(κ: sp.Expr) -> int:
+    """Return how often P² repeats itself along an angle: cos 3q three times; 1 where that is not known."""
+    return int(κ) if κ.is_Integer and κ <= _MOST_WELLS else 1
 
 
 def _of_multiples(
@@ -145,11 +174,13 @@ class _Turn:
         q: the coordinate.
         x: the variable.
         κ: 2π over the turn; positive.
+        wells: how many such turns make up one of the coordinate: 1 but for an angle.
     """
 
     q: sp.Symbol
     x: sp.Symbol
     κ: sp.Expr
+    wells: int = 1
 
     def about(self, δ: sp.Expr, function: sp.Expr) -> Substitution:
         """X = sin((κq − δ)/2).
@@ -161,7 +192,8 @@ class _Turn:
         κ, x = self.κ, self.x
         slope, inverse, place = κ**2 * (1 - x**2) / 4, (δ + 2 * sp.asin(x)) / κ, sp.sin((κ * self.q - δ) / 2)
         turn, one = 2 * sp.pi / κ, sp.S.One
-        return Substitution(x, place, inverse, slope, function, -one, one, True, True, turn, condition_on(κ))
+        more = condition_on(κ)
+        return Substitution(x, place, inverse, slope, function, -one, one, True, True, turn, more, self.wells)
 
 
 def _half_sine(function: sp.Expr, scale: _Turn) -> Iterator[Substitution]:
@@ -177,16 +209,24 @@ def _half_sine(function: sp.Expr, scale: _Turn) -> Iterator[Substitution]:
     elif b == 0:
         δ, d = sp.pi / 2, c
     else:
-        common = sp.gcd(b, c)
-        if common.is_positive is None:
-            return
-        common = common if common.is_positive else -common
-        δ = sp.atan2(sp.cancel(c / common), sp.cancel(b / common))
-        d = common * sp.sqrt(sp.expand(sp.cancel(c / common) ** 2 + sp.cancel(b / common) ** 2))
+        common = _of_known_sign(sp.gcd(b, c))
+        cosine, sine = sp.cancel(b / common), sp.cancel(c / common)
+        δ, d = sp.atan2(sine, cosine), common * sp.sqrt(sp.expand(sine**2 + cosine**2))
     if d.is_negative:
         δ, d = δ + sp.pi, -d
-    for middle, size in ((δ, d), (δ + sp.pi, -d)):  # about either place of rest
-        yield scale.about(middle, a + size * (1 - 2 * scale.x**2))
+    for k in range(scale.wells):
+        for middle, size in ((δ, d), (δ + sp.pi, -d)):  # about either place of rest
+            yield scale.about(middle + 2 * sp.pi * k, a + size * (1 - 2 * scale.x**2))
+
+
+def _of_known_sign(product: sp.Expr) -> sp.Expr:
+    """Return the part of a product whose sign is known, made positive: squares, and what is positive or negative."""
+    found = sp.S.One
+    for factor in sp.Mul.make_args(product):
+        base, power = factor.as_base_exp()
+        known = factor.is_positive or factor.is_negative
+        found *= factor if known else base ** (power - power % 2) if power.is_Integer else 1
+    return -found if found.is_negative else found
 
 
 def _base(

@@ -244,8 +244,9 @@ class _Trial:
             # by ∮ |N| dq/p and not by its own value: a cycle of W's derivative may be zero
             sizes = [size for _, size in sums]
             sums = list(zip(self._between(mp.mpf(0), turn, terms, sizes), sizes, strict=True))
-        # there and back
-        return sums if whole else [(2 * value, 2 * size) for value, size in sums]
+        # there and back; along an angle as often as P² repeats itself
+        times = self.curve.substitution.turns if whole else 2
+        return [(times * value, times * size) for value, size in sums]
 
 
 def _sums(rows: list[list[mpmath.mpf]], weight: mpmath.mpf) -> list[tuple[mpmath.mpf, mpmath.mpf]]:

@@ -107,11 +107,21 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
             f"parameter {name}: assume={printable(repr(assume))[:40]} is unknown; "
             f"write one of {', '.join(_ASSUMPTIONS)}"
         )
-    symbol = sp.Symbol(name, real=True) if known == "real" else sp.Symbol(name, real=True, **{known: True})
     exact = None if value is None else number(value, source=f"parameter {name}")
-    declared = Parameter(name, symbol, exact, known, unit, meaning)
+    declared = with_assumption(Parameter(name, sp.Symbol(name, real=True), exact, "real", unit, meaning), known)
     check_value(declared)
     return declared
+
+
+def with_assumption(declared: Parameter, assume: Assumption) -> Parameter:
+    """Return a parameter of which something else holds, with the symbol that says so.
+
+    Args:
+        declared: the parameter.
+        assume: what holds for every value.
+    """
+    known = {} if assume == "real" else {assume: True}
+    return replace(declared, symbol=sp.Symbol(declared.name, real=True, **known), assume=assume)
 
 
 def refuse_hidden(text: object, source: str) -> None:
@@ -135,17 +145,29 @@ def check_value(declared: Parameter) -> None:
         declared: the parameter; one without a value passes.
 
     Raises:
-        InvalidSystemError: the value has another sign than declared, or is not an integer where one is declared.
+        InvalidSystemError: the value has another sign than the parameter must have, or is not an integer.
     """
-    value = declared.value
+    if contradicts(declared):
+        raise InvalidSystemError(f"parameter {declared.name} = {declared.value}: it must be {declared.assume}")
+
+
+_SIGNS = {"positive": (1,), "negative": (-1,), "nonnegative": (0, 1), "nonzero": (-1, 1)}
+
+
+def contradicts(declared: Parameter, assumption: Assumption | None = None) -> bool:
+    """Return whether the value is not as it must be; one that is missing is.
+
+    Args:
+        declared: the parameter.
+        assumption: what must hold; None for the parameter's own.
+    """
+    value, assume = declared.value, assumption or declared.assume
     if value is None:
-        return
+        return False
+    if assume == "integer":
+        return not value.is_Integer
     sign = 0 if value.is_zero else CONTEXT.sign(evaluate(value, {}))
-    if declared.assume == "integer" and not value.is_Integer:
-        raise InvalidSystemError(f"parameter {declared.name} = {value}: it is declared integer")
-    allowed = {"positive": (1,), "negative": (-1,), "nonnegative": (0, 1), "nonzero": (-1, 1)}
-    if sign not in allowed.get(declared.assume, (-1, 0, 1)):
-        raise InvalidSystemError(f"parameter {declared.name} = {value}: it is declared {declared.assume}")
+    return sign not in _SIGNS.get(assume, (-1, 0, 1))
 
 
 def replaced(parameters: Iterable[Parameter], values: Mapping[str, object]) -> Iterator[Parameter]:

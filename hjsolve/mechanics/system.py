@@ -22,6 +22,7 @@ from hjsolve.formulas.point_values import NoValueError, evaluate
 from hjsolve.mechanics.canonical_functions import Y, energy, right_hand_side
 from hjsolve.mechanics.closed_ends import check_closed_ends
 from hjsolve.mechanics.coordinates_and_parameters import (
+    Assumption,
     Coordinate,
     Parameter,
     clock_of,
@@ -32,6 +33,7 @@ from hjsolve.mechanics.coordinates_and_parameters import (
     refuse_hidden,
     replaced,
     unknown_names,
+    with_assumption,
 )
 from hjsolve.mechanics.domains import Domain
 from hjsolve.mechanics.equations_of_motion import canonical_equations, routhian
@@ -43,6 +45,7 @@ from hjsolve.mechanics.kinetic_energy import (
     velocity_coefficients,
 )
 from hjsolve.mechanics.kinks import Kink, with_signs, without_kinks
+from hjsolve.mechanics.needed_signs import needed_signs
 from hjsolve.mechanics.periodicity import check_periodic
 from hjsolve.mechanics.place import Places, place_of, read_place
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
@@ -152,18 +155,25 @@ class System(Shown):
         clock = clock_of((kinetic, potential), {p.name for p in constants} | {c.name for c in places})
         constants = (*constants, *clock)
         _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id), eliminated=())
-        _set(self, time=next((p.symbol for p in constants if p.name == "t"), None))
-        _set(self, relativity=relativity_of(relativity, constants), signature=read_signature(signature))
+        _set(self, signature=read_signature(signature))
         unknowns = read_functions(functions, (c.name for c in places), self.symbols)
+        _set(self, kinetic=Formulas(places, self.symbols, unknowns).kinetic(kinetic))
+        if signs := _needed_signs(self):
+            constants = tuple(with_assumption(p, signs.get(p.name, p.assume)) for p in constants)
+            places = read_coordinates(coordinates, constants)
+            _set(self, coordinates=places, parameters=constants)
+            _set(self, kinetic=Formulas(places, self.symbols, unknowns).kinetic(kinetic))
         formulas = Formulas(places, self.symbols, unknowns)
-        _set(self, kinetic=formulas.kinetic(kinetic))
+        _set(self, time=next((p.symbol for p in constants if p.name == "t"), None))
+        _set(self, relativity=relativity_of(relativity, constants))
         smooth, kinks = without_kinks(formulas.potential(potential), places, [*self.symbols, *unknowns])
         _set(self, potential=smooth, kinks=kinks)
         _set(self, declared_units=read_units(units, places, constants), places=())
         if units or quantities:
             check_units(self)
             _set(self, parameters=tuple(replaced(constants, in_units(self, quantities, "parameters"))))
-        _check_values(self)
+        check_closed_ends(mass_matrix(self), places)
+        check_values(self, self.parameters)
         _set(self, places=read_place(place, self.symbols, places, self.parameters))
         if self.relativity is not None and kinetic_rest(self) != 0:
             raise InvalidSystemError("relativity: the classical T may have no part without velocities; put it into V")
@@ -299,28 +309,28 @@ def _set(system: System, **fields: object) -> None:
         object.__setattr__(system, name, value)
 
 
-def _check_values(system: System) -> None:
-    """Check what depends on the parameters' values: that the domains are not empty, and the sign of T."""
-    defaults = system.defaults
-    for c in system.coordinates:
-        ends = [end for end in (c.domain.lower, c.domain.upper) if end is not None]
-        if all(end.free_symbols <= defaults.keys() for end in ends):
-            _check_ends(c, defaults)
-    check_closed_ends(mass_matrix(system), system.coordinates)
-    check_mass_matrix(mass_matrix(system), system.coordinates, system.parameters, system.signature)
-    refuse_turns_that_differ(system, system.parameters)
+def _needed_signs(system: System) -> Mapping[str, Assumption]:
+    """Return the signs of letters without which T is not positive definite, or a domain is empty."""
+    masses = mass_matrix(system).diagonal() if system.signature == "definite" else ()
+    return needed_signs(tuple(masses), system.coordinates, system.parameters)
 
 
-def refuse_turns_that_differ(system: System, parameters: Sequence[Parameter]) -> None:
-    """Refuse T or V that, with these values of the parameters, is not a function of a coordinate declared an angle.
+def check_values(system: System, parameters: Sequence[Parameter]) -> None:
+    """Check that with the values of parameters no domain is empty, T is definite, and T and V are periodic in angles.
 
     Args:
         system: whose T and V are looked at.
         parameters: those whose values are put in.
 
     Raises:
-        InvalidSystemError: see ``periodicity``.
+        InvalidSystemError: which is not so, and where.
     """
+    values = {p.symbol: p.value for p in parameters if p.value is not None}
+    for c in system.coordinates:
+        ends = [end for end in (c.domain.lower, c.domain.upper) if end is not None]
+        if all(end.free_symbols <= values.keys() for end in ends):
+            _check_ends(c, values)
+    check_mass_matrix(mass_matrix(system), system.coordinates, parameters, system.signature)
     if any(c.domain.kind == "angle" for c in system.coordinates):
         parts = (("kinetic", system.kinetic), ("potential", system.potential))
         check_periodic(parts, system.coordinates, parameters)
@@ -367,7 +377,7 @@ def with_values(system: System, values: Mapping[str, object]) -> System:
             raise unknown_names(name, names, "parameter")
     other, changed = object.__new__(System), replaced(system.parameters, in_units(system, values, "parameters"))
     _set(other, **{**vars(system), "parameters": tuple(changed)})
-    _check_values(other)
+    check_values(other, other.parameters)
     return other
 
 

@@ -17,9 +17,9 @@ from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import ForbiddenPlaceError, InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
-from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter, contradicts
 from hjsolve.mechanics.kinks import signs_at
-from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
+from hjsolve.mechanics.system import System, check_values, momenta
 from hjsolve.motion.exact_numbers import ZERO_BITS as ZERO_BITS
 from hjsolve.motion.exact_numbers import InBits as InBits
 from hjsolve.motion.exact_numbers import expanded as expanded
@@ -65,7 +65,7 @@ def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
         )
     values = values_of(system.parameters, given)
     if given:
-        refuse_turns_that_differ(system, [replace(p, value=values[p.symbol]) for p in system.parameters])
+        check_values(system, [replace(p, value=values[p.symbol]) for p in system.parameters])
     return values
 
 
@@ -94,10 +94,9 @@ def values_of(parameters: Sequence[Parameter], given: Values) -> dict[sp.Symbol,
         raise MissingValueError(f"no value for {_listed(missing)}: write parameters={{{missing[0]!r}: …}}")
     for p in parameters:
         value = values[p.symbol]
-        if p.assume == "integer" and value is not None and not value.is_Integer:
-            raise InvalidInputError(f"parameters: {p.name} must be an integer, not {value}")
-        if p.assume == "positive" and sign(values[p.symbol]) <= 0:
-            raise InvalidInputError(f"parameters: {p.name} must be positive, not {values[p.symbol]}")
+        if contradicts(replace(p, value=value)):
+            what = "an integer" if p.assume == "integer" else p.assume
+            raise InvalidInputError(f"parameters: {p.name} must be {what}, not {value}")
     return {symbol: value for symbol, value in values.items() if value is not None}
 
 

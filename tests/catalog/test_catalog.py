@@ -94,7 +94,7 @@ FAULTS = {
     "an integer of thousands of digits": ('value = "2"', f"value = {'9' * 5000}", "an integer of thousands of digits"),
     "a value of more than a thousand digits": ('value = "2"', f'value = "{"9" * 1001}"', "at most 1000 are accepted"),
     "a value that is not finite": ('value = "2"', "value = inf", "one finite real number"),
-    "a value against its assumption": ('value = "2"', 'value = "-2"', "it is declared positive"),
+    "a value against its assumption": ('value = "2"', 'value = "-2"', "it must be positive"),
     "lists nested beyond reason": ('title = "Spring"', "title = " + "[" * 5000 + "]" * 5000, "nested too deeply"),
     "a domain that makes no sense": ('domain = "line"', 'domain = "circle"', "spring.toml:"),
 }  # fmt: skip

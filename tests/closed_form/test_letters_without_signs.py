@@ -45,7 +45,7 @@ def _period(form: RegimeForms) -> mpmath.mpf:
                 inside, outside = (middle, outside) if p2(middle) > 0 else (inside, middle)
             ends.append(inside)
         low, high = ends
-        c, h, m = (low + high) / 2, (high - low) / 2, mpmath.mpf(str(at[sp.Symbol("m", real=True)]))
+        c, h, m = (low + high) / 2, (high - low) / 2, mpmath.mpf(str(at[form.solution.system.symbols["m"]]))
         return 2 * mpmath.quad(
             lambda u: m * h * mpmath.sin(u) / mpmath.sqrt(p2(c - h * mpmath.cos(u))), [0, mpmath.pi / 2, mpmath.pi]
         )

@@ -275,7 +275,7 @@ def test_values_are_exact():
 )
 def test_a_value_must_agree_with_its_assumption(assume, good, bad):
     assert parameter("k", good, assume=assume).assume == assume
-    with pytest.raises(InvalidSystemError, match=f"parameter k = .*: it is declared {assume}"):
+    with pytest.raises(InvalidSystemError, match=f"parameter k = .*: it must be {assume}"):
         parameter("k", bad, assume=assume)
 
 
@@ -297,9 +297,9 @@ def test_other_values_make_another_system_and_leave_the_first():
     ("values", "message"),
     [
         ({"kk": 1}, "'kk' is not a parameter of the system; did you mean k?"),
-        ({"m": -1}, "T must be positive definite"),
-        ({"a": -1}, "is empty with the values given"),
-        ({"b": -1}, "it is declared positive"),
+        ({"m": -1}, "parameter m = -1: it must be positive"),
+        ({"a": -1}, "parameter a = -1: it must be positive"),
+        ({"b": -1}, "it must be positive"),
         ({"m": "x"}, "'x' is not declared"),
     ],
 )

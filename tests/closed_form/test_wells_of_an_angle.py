@@ -1,0 +1,76 @@
+"""Pendulums about any place, and with several equal wells along an angle: the same forms however V is typed."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import pytest
+import sympy as sp
+
+import hjsolve
+from hjsolve.closed_form.closed_forms import own_form
+
+LETTERS = {"m": "3/2", "A": 1, "B": "1/3", "d": "2/5"}
+SLOW, FAST = "1/5", 3
+
+
+def _motion(potential: str, place: object, speed: object) -> hjsolve.Motion:
+    names = {s.name for s in sp.sympify(potential, {"B": sp.Symbol("B")}).free_symbols} & set(LETTERS) | {"m"}
+    system = hjsolve.System({"x": "angle"}, "m*dot(x)**2/2", potential, {n: LETTERS[n] for n in LETTERS if n in names})
+    return hjsolve.solve(system).motion(q={"x": place}, velocity={"x": speed})
+
+
+@pytest.mark.parametrize("speed", [SLOW, FAST], ids=["libration", "rotation"])
+@pytest.mark.parametrize(
+    ("potential", "place"),
+    [
+        ("-A*cos(2*x)", "1/3"),
+        pytest.param("-A*cos(2*x)", 3, marks=pytest.mark.nightly),
+        ("A*sin(x)**2 - A/2", -3),
+        ("-A*cos(3*x)", -2),
+        pytest.param("-A*cos(5*x)", "6/5", marks=pytest.mark.nightly),
+        ("-A*cos(2*x) - B*sin(2*x)", "-31/10"),
+        ("-A*cos(x - d)", "1/2"),
+        pytest.param("-A*cos(x) + B*sin(x)", "1/2", marks=pytest.mark.nightly),
+        ("A*cos(3*(x - d))", "3/2"),
+    ],
+)
+def test_forms_are_those_of_a_pendulum_and_agree_with_the_quadratures(potential: str, place: object, speed: object):
+    motion = _motion(potential, place, speed)
+    form = own_form(motion)
+    assert form is not None
+    given = {p.name: p.value for p in motion.solution.system.parameters} | {"E": motion.initial.constants["E"]}
+    for name in ("actions.x", "periods.x", "frequencies.x"):
+        group, value = name.split(".")[0], form.evaluate(name, given, 40).value
+        expected = getattr(motion, group)["x"].value
+        assert abs(value - expected) <= 4e-15 * abs(expected)
+    start = {"x_0": motion.initial.values[motion.solution.system.coordinates[0].symbol], "t_0": 0}
+    place_now = form.evaluate("inverse.x", given | start | {"t": "3/10"}, 40).value
+    turns = (place_now - motion.at("3/10").q["x"]) / (2 * mpmath.pi)
+    assert abs(turns - mpmath.nint(turns)) < 1e-15
+    assert sp.count_ops(form.inverse["x"]) <= 16
+    assert not any("Carlson" in type(f).__name__ for f in form.named()["time_law"].atoms(sp.Function))
+
+
+def test_every_well_has_a_regime_of_its_own_that_says_where_it_is():
+    forms = hjsolve.closed_forms(_motion("-A*cos(2*x)", "1/3", SLOW).solution)
+    wells = [form for form in forms if form.regime.kinds["x"] == "libration"]
+    assert len(wells) == 2
+    assert {str(form.regime).rsplit(";", 1)[1].strip() for form in wells} == {"x about 0", "x about pi"}
+    assert sum(form.regime.kinds["x"] == "rotation" for form in forms) == 1
+
+
+def test_a_shift_typed_as_two_terms_is_named():
+    """E of the bottom of the well is −√(A² + B²), where sn has k = 0."""
+    motion = _motion("-A*cos(x) - B*sin(x)", "1/2", SLOW)
+    form = own_form(motion)
+    assert form is not None
+    assert form.inverse["x"].has(sp.atan2)
+    A, B = (motion.solution.system.symbols[name] for name in "AB")
+    period = form.periods["x"].subs(form.where).subs(form.where)
+    at_rest = period.subs({A: 1, B: sp.Rational(1, 3), "m": 1})
+    (E,) = (s for s in at_rest.free_symbols if s.name == "E")
+    (m,) = (s for s in at_rest.free_symbols if s.name == "m")
+    small = at_rest.subs(m, 1).limit(E, -sp.sqrt(10) / 3)
+    assert float(small) == pytest.approx(2 * math.pi / (10 / 9) ** 0.25, rel=1e-14)
