@@ -47,7 +47,6 @@ class Substitution(Shown):
         """Return the coordinate at a place x, its powers shortened."""
         return shortened_powers(self.inverse.subs(self.x, x))
 
-
     def unwound(self, value: sp.Expr, symbol: sp.Symbol, q: sp.Expr) -> sp.Expr:
         """Return a value with arcsin φ(q), √(1 − φ²) and the like as functions of q itself.
 
@@ -65,7 +64,9 @@ class Substitution(Shown):
         if place == q or line.has(self.x) or not line.is_polynomial(u) or sp.degree(line, u) != 1:
             return value
         own, kind = sp.expand((q - line.subs(u, 0)) / sp.diff(line, u)), arcs[0].func
-        known = {kind: own} if kind is sp.atan else {f: own if f is kind else sp.pi / 2 - own for f in (sp.asin, sp.acos)}
+        known = (
+            {kind: own} if kind is sp.atan else {f: own if f is kind else sp.pi / 2 - own for f in (sp.asin, sp.acos)}
+        )
         root = {sp.asin: sp.cos, sp.acos: sp.sin}.get(kind)
 
         def written(e: sp.Expr) -> sp.Expr:

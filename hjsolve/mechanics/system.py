@@ -45,12 +45,12 @@ from hjsolve.mechanics.kinetic_energy import (
     velocity_coefficients,
 )
 from hjsolve.mechanics.kinks import Kink, with_signs, without_kinks
-from hjsolve.mechanics.needed_signs import needed_signs
 from hjsolve.mechanics.periodicity import check_periodic
 from hjsolve.mechanics.place import Places, place_of, read_place
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
 from hjsolve.mechanics.quantities_given import in_units, without_quantities
 from hjsolve.mechanics.relativity import Relativity, relativity_of
+from hjsolve.mechanics.signs_of_letters import needed_signs
 from hjsolve.mechanics.units import Units, check_units, names_and_units, read_units
 from hjsolve.precision import one_at_a_time
 
