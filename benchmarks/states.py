@@ -21,8 +21,6 @@ from hjsolve.motion.initial_data import parameter_values
 Columns = dict[str, Any]
 _IN_THE_GAP = 4096
 """Orbits about two centres of which those that no torus has are counted."""
-_GEODESICS = 16_384
-"""Geodesics, at most: every one may rotate along either coordinate, and both are searched for."""
 _DRAWS = 6
 """How often q and p are moved by a rounding."""
 
@@ -114,6 +112,24 @@ def row(title: str, solution: Any, actions: Columns, angles: Columns, wells: Col
     return f"| {title} | {count} | {parts} | {worst:.2g} |"
 
 
+def rival(actions: Columns, angles: Columns) -> str:
+    """Measure galpy's closed formulas of the isochrone on the orbits of ours, a little out of the plane."""
+    try:
+        from galpy.actionAngle import actionAngleIsochrone, actionAngleIsochroneInverse
+        from galpy.potential import IsochronePotential
+    except ImportError:
+        return "| isochrone, galpy | not installed |"
+    core = IsochronePotential(amp=1.0, b=0.5)
+    rule, J, height = actionAngleIsochroneInverse(ip=core), actions["theta"], 1e-3 * actions["theta"]
+    count, begin, clock = len(J), time.process_time(), time.perf_counter()
+    found = rule(actions["r"], J, height, angles["r"], angles["theta"], 0 * J)
+    price, wall = (time.process_time() - begin) / count, (time.perf_counter() - clock) / count
+    off = np.abs(actionAngleIsochrone(ip=core)(*found[:5])[0] / actions["r"] - 1)
+    lost = int(np.isnan(off).sum())
+    title = f"isochrone, galpy's formulas: ΔJ/J up to {np.nanmax(off):.0e}"
+    return f"| {title} | {count} | {1e6 * wall:.1f} | {1e6 * price:.1f} | | {count - lost} | | |"
+
+
 def between_lobes(solution: Any, actions: Columns) -> int:
     """Count orbits about two centres that no torus has: J_η between the larger lobe at the separatrix and both lobes.
 
@@ -155,9 +171,11 @@ def main() -> None:
         print(row(family, galaxy, dict(forth.actions), dict(forth.angles)), flush=True)
     for name in SYSTEMS:
         print(row(name, hjsolve.solve(name), *drawn(name, count)), flush=True)
+        if name == "isochrone":
+            print(rival(*drawn(name, count)), flush=True)
     told = about_two_centres(count)
     print(row("two-centres-space, q told", hjsolve.solve("two-centres-space"), *told), flush=True)
-    several = on_an_ellipsoid(min(count, _GEODESICS))
+    several = on_an_ellipsoid(count)
     print(row("triaxial-geodesics, q told", hjsolve.solve("triaxial-geodesics"), *several), flush=True)
     solution, (actions, angles) = hjsolve.solve("two-centres-space"), drawn("two-centres-space", _IN_THE_GAP)
     states = hjsolve.ensemble(solution, actions=actions, angles=angles, want={"state"}, fallback=False)
