@@ -75,10 +75,10 @@ def test_forces_and_accelerations_solve_newtons_equations(name: str) -> None:
 
 def test_forces_of_eliminated_constraints_in_the_coordinates_left() -> None:
     """P2-9: the greatest force is m g (1 + 12 y₀), at the bottom; C40: k (c − 5 t)/29 along (2, 3, 4), from ∑ k x a."""
-    m, g = sp.symbols("m g", real=True)
     domains, kinetic, potential, texts = CASES["P2-9, a parabola"]
     bead = hjsolve.System(domains, kinetic, potential, {"m": 1, "g": 1}, constraints=texts)
     (λ,) = hjsolve.constraint_forces(bead).reduced
+    m, g = (bead.symbols[name] for name in "mg")
     y0, x = sp.Symbol("y0"), bead.coordinates[0]
     assert sp.simplify(λ.subs({x.velocity: sp.sqrt(2 * g * y0), x.symbol: 0}) - m * g * (1 + 12 * y0)) == 0
     space = hjsolve.System(LINE3, T3, "k/2*(x**2 + y**2 + z**2)", {"m": 1, "k": 4}, constraints=CASES["P2-10 (C40)"][3])

@@ -164,7 +164,7 @@ def test_a_potential_with_undetermined_functions_gives_the_matrix_of_problem_5_8
     system = System(SPHERICAL_COORDINATES, SPHERICAL, V, {"m": 1})
     form = separate(system).stackel
     r, theta, phi = (c.symbol for c in system.coordinates)
-    m = sp.Symbol("m", real=True)
+    m = system.symbols["m"]
     assert form.matrix == sp.ImmutableMatrix([[m, -1 / r**2, 0], [0, 1, -1 / sp.sin(theta) ** 2], [0, 0, 1]])
     assert form.column == (v1(r), v2(theta), v3(phi))
 

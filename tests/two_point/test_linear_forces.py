@@ -15,8 +15,9 @@ def spring():
 
 
 def test_the_oscillator_has_the_formula_of_the_book():
-    function = spring().two_point_function()
-    m, w, x, x0, t = sp.symbols("m w x x_0 t", real=True)
+    solution = spring()
+    function, m = solution.two_point_function(), solution.system.symbols["m"]
+    w, x, x0, t = sp.symbols("w x x_0 t", real=True)
     book = m * w / 2 * (x**2 + x0**2) * sp.cot(w * t) - m * w * x * x0 / sp.sin(w * t)  # Greenwood (5-108)
     assert sp.simplify((function.principal_function - book).rewrite(sp.sin)) == 0
     assert function.at_end.determinant != 0
