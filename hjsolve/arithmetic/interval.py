@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hjsolve.algebra.ranges import RISING
 from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.arithmetic.function_rules import RISING
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Truth
 
 
