@@ -32,6 +32,26 @@ def hull(x: Interval, y: Interval) -> Interval:
     return Interval(np.minimum(x.low, y.low), np.maximum(x.high, y.high))
 
 
+def exact(x: Elementwise) -> Interval:
+    """Return doubles as intervals of length zero.
+
+    Args:
+        x: a double, or an array of them.
+    """
+    x = np.asarray(x, dtype=float)
+    return Interval(x, x)
+
+
+def over_shape(x: Interval, shape: tuple[int, ...]) -> Interval:
+    """Return an interval for every place of an array.
+
+    Args:
+        x: of a shape that broadcasts to it.
+        shape: of the array.
+    """
+    return Interval(np.broadcast_to(x.low, shape), np.broadcast_to(x.high, shape))
+
+
 def meet(x: Interval, y: Interval) -> Interval:
     """Return what two intervals have in common, of which each holds the same number."""
     return Interval(np.maximum(x.low, y.low), np.minimum(x.high, y.high))
