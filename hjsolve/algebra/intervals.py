@@ -1,7 +1,7 @@
 """Enclosures of expressions at rational points: interval arithmetic with outward rounding over the sympy tree.
 
-mpmath's ``libmp.mpi_*``; the true value lies between ``lower`` and ``upper``, so that what they exclude is excluded. No
-float enters.
+The four operations, powers and roots are mpmath's ``libmp.mpi_*``, functions those of ``ranges``; the true value lies
+between ``lower`` and ``upper``, so that what they exclude is excluded. No float enters.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ import mpmath
 import sympy as sp
 from mpmath import libmp
 
+from hjsolve.algebra import ranges
 from hjsolve.algebra.elementary import INVERSES, Rule
 from hjsolve.algebra.tree_walk import TreeWalk
-from hjsolve.precision import mp
+from hjsolve.precision import mp, multiprecision
 
 Interval = tuple[sp.Expr, sp.Expr]
 
@@ -66,7 +67,7 @@ class Walk(TreeWalk[Interval]):
 
     def __init__(self, point: Mapping[sp.Expr, sp.Rational], precision: int):
         super().__init__()
-        self.point, self.precision = point, precision
+        self.point, self.precision, self._context = point, precision, multiprecision(precision)
 
     def leaf(self, x: sp.Expr) -> Interval | None:  # noqa: D102
         prec = self.precision
@@ -75,7 +76,7 @@ class Walk(TreeWalk[Interval]):
             return rational(int(x.p), int(x.q), prec)
         if x is sp.pi:
             return _pi(prec)
-        return libmp.mpi_exp(rational(1, 1, prec), prec) if x is sp.E else None
+        return self._applied("exp", _integer(1)) if x is sp.E else None
 
     def total(self, parts: Iterable[Interval]) -> Interval:  # noqa: D102
         return reduce(lambda a, b: libmp.mpi_add(a, b, self.precision), parts)
@@ -84,9 +85,16 @@ class Walk(TreeWalk[Interval]):
         return reduce(lambda a, b: libmp.mpi_mul(a, b, self.precision), parts)
 
     def function(self, x: sp.Expr) -> Interval:  # noqa: D102
-        if function := _FUNCTIONS.get(x.func):
-            return function(self(x.args[0]), self.precision)
+        if name := _FUNCTIONS.get(x.func):
+            return self._applied(name, self(x.args[0]))
+        if x.func is sp.sign:
+            return _sign(self(x.args[0]))
         return self(_by_others(x))
+
+    def _applied(self, name: str, x: Interval) -> Interval:
+        c = self._context
+        low, high = ranges.apply(c, name, (c.make_mpf(x[0]), c.make_mpf(x[1])))
+        return low._mpf_, high._mpf_
 
     def power(self, x: sp.Expr) -> Interval:  # noqa: D102
         prec, b, exponent = self.precision, self(x.base), x.exp
@@ -94,7 +102,7 @@ class Walk(TreeWalk[Interval]):
             n, root = int(exponent.p), b if exponent.q == 1 else libmp.mpi_sqrt(b, prec)
             power = libmp.mpi_pow_int(root, abs(n), prec)
             return _inverse(power, prec) if n < 0 else power
-        return libmp.mpi_exp(libmp.mpi_mul(self(exponent), _log(b, prec), prec), prec)
+        return self._applied("exp", libmp.mpi_mul(self(exponent), self._applied("log", b), prec))
 
 
 def rational(p: int, q: int, prec: int) -> Interval:
@@ -120,13 +128,7 @@ def _inverse(x: Interval, prec: int) -> Interval:
     return libmp.mpi_div(_integer(1), x, prec)
 
 
-def _log(x: Interval, prec: int) -> Interval:
-    if libmp.mpf_sign(x[0]) <= 0:
-        raise NoEnclosureError("logarithm of an interval that is not positive")
-    return libmp.mpi_log(x, prec)
-
-
-def _sign(x: Interval, _prec: int) -> Interval:
+def _sign(x: Interval) -> Interval:
     if libmp.mpf_sign(x[0]) > 0:
         return _integer(1)
     if libmp.mpf_sign(x[1]) < 0:
@@ -134,17 +136,15 @@ def _sign(x: Interval, _prec: int) -> Interval:
     raise NoEnclosureError("sign of an interval that contains zero")
 
 
-_FUNCTIONS: dict[object, Callable[[Interval, int], Interval]] = {
-    sp.sin: libmp.mpi_sin, sp.cos: libmp.mpi_cos, sp.exp: libmp.mpi_exp, sp.log: _log, sp.atan: libmp.mpi_atan,
-    sp.Abs: libmp.mpi_abs, sp.sign: _sign,
+_FUNCTIONS: dict[object, str] = {
+    sp.sin: "sin", sp.cos: "cos", sp.tan: "tan", sp.exp: "exp", sp.log: "log", sp.atan: "atan", sp.Abs: "abs",
+    sp.sinh: "sinh", sp.cosh: "cosh", sp.tanh: "tanh", sp.asinh: "asinh",
 }  # fmt: skip
+"""Those that ``ranges`` has, and that are real wherever they are finite, or say so as the logarithm does."""
 _BY_OTHERS: dict[object, Rule] = {
     **INVERSES,
-    sp.tan: lambda u: sp.sin(u) / sp.cos(u), sp.cot: lambda u: sp.cos(u) / sp.sin(u),
-    sp.sec: lambda u: 1 / sp.cos(u), sp.csc: lambda u: 1 / sp.sin(u),
-    sp.sinh: lambda u: (sp.exp(u) - sp.exp(-u)) / 2, sp.cosh: lambda u: (sp.exp(u) + sp.exp(-u)) / 2,
-    sp.tanh: lambda u: sp.sinh(u) / sp.cosh(u), sp.coth: lambda u: sp.cosh(u) / sp.sinh(u),
-    sp.sech: lambda u: 1 / sp.cosh(u), sp.csch: lambda u: 1 / sp.sinh(u),
+    sp.cot: lambda u: sp.cos(u) / sp.sin(u), sp.sec: lambda u: 1 / sp.cos(u), sp.csc: lambda u: 1 / sp.sin(u),
+    sp.coth: lambda u: 1 / sp.tanh(u), sp.sech: lambda u: 1 / sp.cosh(u), sp.csch: lambda u: 1 / sp.sinh(u),
 }  # fmt: skip
 """Every other function, written by those."""
 

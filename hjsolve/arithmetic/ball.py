@@ -171,6 +171,28 @@ def _meets_cut(name: str, x: Ball) -> bool:
     return not along > 1 if name == "acosh" else not abs(along) < 1
 
 
+def between(low: float, high: float) -> flint.arb:
+    """Return a real ball that holds an interval, its ends included.
+
+    Args:
+        low, high: the ends, doubles.
+    """
+    return flint.arb(low).union(flint.arb(high))
+
+
+def hull(q: Ball, end: flint.arb) -> Ball:
+    """Return a ball that holds another one, a real ball and all segments between them.
+
+    Args:
+        q: a real or a complex ball.
+        end: a real one.
+    """
+    # the union of two real balls is the hull
+    if isinstance(q, flint.arb):
+        return q.union(end)
+    return flint.acb(q.real.union(end), q.imag.union(flint.arb(0)))
+
+
 def from_mpf(x: Mpf) -> flint.arb:
     """Return an mpf as an exact ball."""
     sign, mantissa, exponent, _ = x._mpf_

@@ -11,6 +11,7 @@ from typing import ClassVar, TypeVar, cast
 import numpy as np
 
 from hjsolve import precision
+from hjsolve.algebra.ranges import CIRCULAR, FARTHEST
 from hjsolve.arithmetic.number_types import Context, Elementwise, Mpf, N, Numeric, Truth, X
 from hjsolve.errors import InvalidInputError
 
@@ -34,9 +35,6 @@ GREATEST = float(np.finfo(float).max)
 """The greatest double."""
 UNIT = 2.0**-53
 """The unit roundoff: half of ``EPS``, the relative error of one rounding to the nearest double at most."""
-FARTHEST = 1024
-"""Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
-CIRCULAR = ("sin", "cos", "tan")
 _COSTLY = dict.fromkeys(("exp", "sinh", "cosh", "tanh"), FARTHEST) | dict.fromkeys(CIRCULAR, 16 * FARTHEST)
 
 

@@ -1,4 +1,4 @@
-"""The rules that any arithmetic shares: differences and powers; Φ′, Φ″ of functions, quotients, where they rise.
+"""The rules that any arithmetic shares: differences and powers; Φ′, Φ″ of functions, quotients.
 
 Jets, disks, intervals, running errors and divided differences all take them from here. Each rule is arranged so that it
 keeps its relative accuracy where the function is flat: 1/cosh² and not 1 − tanh² far out, √(x − 1) √(x + 1) and not
@@ -7,17 +7,10 @@ keeps its relative accuracy where the function is flat: 1/cosh² and not 1 − t
 
 from __future__ import annotations
 
-from math import inf
-
 from hjsolve.arithmetic.floats import by_squaring
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
-RISING: dict[str, tuple[float, float]] = {
-    **dict.fromkeys(("exp", "sinh", "tanh", "asinh", "atan"), (-inf, inf)),
-    **dict.fromkeys(("sqrt", "log"), (0.0, inf)), **dict.fromkeys(("asin", "atanh"), (-1.0, 1.0)), "acosh": (1.0, inf),
-}  # fmt: skip
-"""Functions that rise wherever they are real, and where that is: their range over an interval is that of its ends."""
 QUOTIENTS = {"tan": ("sin", "cos"), "tanh": ("sinh", "cosh"), "sech": ("", "cosh")}
 """Functions that are quotients: what stands above, 1 where that is empty, and what stands below the line."""
 BY_VALUE = frozenset({"abs", "exp", "sqrt", "tan", "sech"})

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hjsolve.algebra.ranges import RISING
 from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.arithmetic.function_rules import RISING
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Truth
 
 
@@ -30,6 +30,26 @@ class Interval(NamedTuple):
 def hull(x: Interval, y: Interval) -> Interval:
     """Return the least interval that holds both."""
     return Interval(np.minimum(x.low, y.low), np.maximum(x.high, y.high))
+
+
+def exact(x: Elementwise) -> Interval:
+    """Return doubles as intervals of length zero.
+
+    Args:
+        x: a double, or an array of them.
+    """
+    x = np.asarray(x, dtype=float)
+    return Interval(x, x)
+
+
+def over_shape(x: Interval, shape: tuple[int, ...]) -> Interval:
+    """Return an interval for every place of an array.
+
+    Args:
+        x: of a shape that broadcasts to it.
+        shape: of the array.
+    """
+    return Interval(np.broadcast_to(x.low, shape), np.broadcast_to(x.high, shape))
 
 
 def meet(x: Interval, y: Interval) -> Interval:

@@ -13,12 +13,12 @@ from collections.abc import Sequence
 from decimal import ROUND_CEILING, Context, Decimal
 from typing import Any, TypeAlias
 
-from hjsolve.arithmetic import ranges
+from hjsolve.algebra import ranges
+from hjsolve.algebra.ranges import Range
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Context as MpContext
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.printed_digits import decimal
-from hjsolve.arithmetic.ranges import Range
 
 Term: TypeAlias = tuple[Any, Any]
 """(value, error)."""

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hjsolve.arithmetic.ranges import OF_TWO
+from hjsolve.algebra.ranges import OF_TWO
 
 _OF_ONE = {
     "sqrt": "sqrt", "cbrt": "cbrt", "exp": "exp", "expm1": "expm1", "log": "log", "log2": "log2", "log10": "log10",

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from hjsolve.arithmetic.ball import Ball, Balls, flint
+from hjsolve.arithmetic.ball import Ball, Balls, flint, hull
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.certified.integrands import CycleIntegrand
 
@@ -87,7 +87,7 @@ class _Plain:
     def _sloped(self, q: Ball, end: int, offset: Ball, distance: Ball) -> Ball:
         place = self.cycle.ends[end]
         # the remainder ½F″ over the hull of the ball and the end: Taylor's formula needs a convex set
-        bend = self.cycle.line.taylor(_hull(q, place), 3)[2]
+        bend = self.cycle.line.taylor(hull(q, place), 3)[2]
         return (self._end_slopes[end] + bend * offset) / distance
 
     @cached_property
@@ -114,11 +114,3 @@ def _wide(q: Ball) -> bool:
 
 def _touches_zero(x: Ball) -> bool:
     return bool(x.contains(0))
-
-
-def _hull(q: Ball, end: flint.arb) -> Ball:
-    """Return a ball holding q, a real ball and all segments between them."""
-    # the union of two real balls is the hull
-    if isinstance(q, flint.arb):
-        return q.union(end)
-    return flint.acb(q.real.union(end), q.imag.union(flint.arb(0)))

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hjsolve.arithmetic.ball import flint, from_mpf, working
+from hjsolve.arithmetic.ball import between, flint, from_mpf, working
 from hjsolve.certified.ball_radicand import BallMomentumSquared
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 
@@ -99,7 +99,7 @@ class _Walker:
                 return None
             # the sign at the front is decided at a point; what lies between is decided over the ball
             end = self.line.value(self.origin + side * flint.arb(x1))
-            ball = self.origin + side * flint.arb((x0 + x1) / 2, (x1 - x0) / 2 * (1 + 1e-12))
+            ball = self.origin + side * between(x0, x1)
             value, slope, bend = self.line.taylor(ball, 3)
             slope = side * slope
             # F > 0 at both ends, and monotone, concave or positive between: no zero was passed

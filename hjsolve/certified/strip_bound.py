@@ -22,7 +22,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from hjsolve.arithmetic.ball import Ball, flint, working
+from hjsolve.arithmetic.ball import Ball, between, flint, hull, working
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Reals
 from hjsolve.arithmetic.work_counter import count
@@ -251,7 +251,7 @@ def _edge(cycle: CycleIntegrand, a: float) -> list[_Box] | None:
     while x < end:
         if (work := work - 1) < 0:
             return None
-        box = _box(cycle, flint.acb(_between(x, x + step), a))
+        box = _box(cycle, flint.acb(between(x, x + step), a))
         change = min(growth, max(0.5, math.sqrt(_AIM / box.spread)))  # the spread goes like the square of the step
         # spread < 1: R lies in a disk that does not hold 0, so that √R and arg R are those of one branch on it
         if box.spread < _CLEAR:
@@ -319,8 +319,7 @@ def _from_an_end(cycle: CycleIntegrand, sample: CycleNode, _product: Ball) -> Ba
     from_lower, to_upper = required(sample.from_lower), required(sample.to_upper)
     end, h = (cycle.ends[0], from_lower) if lower else (cycle.ends[1], -to_upper)
     # the remainder of Taylor's formula holds on a convex set that contains a and the ball
-    hull = flint.acb(sample.q.real.union(end), sample.q.imag.union(flint.arb(0)))
-    value = cycle.line.taylor(hull, TERMS + 1)[TERMS]
+    value = cycle.line.taylor(hull(sample.q, end), TERMS + 1)[TERMS]
     # Horner down to the coefficient of h¹: F(a) = 0 exactly, so that this is F[a, q], and h has been divided out
     for coefficient in (cycle.lower_series if lower else cycle.upper_series)[:0:-1]:
         value = coefficient + value * h
@@ -376,7 +375,7 @@ def _covered(cycle: CycleIntegrand, a: float) -> bool:
         # a cell that small and still not finite holds a singularity, or is too costly to decide
         if (work := work - 1) < 0 or x1 - x0 < _SMALLEST_CELL:
             return False
-        q = cycle.sample(flint.acb(_between(x0, x1), _between(y0, y1))).q
+        q = cycle.sample(flint.acb(between(x0, x1), between(y0, y1))).q
         if all(x.is_finite() for x in (cycle.line.value(q), *cycle.weights.run(q))):
             continue
         # the longer side is halved: enclosures over nearly square cells are the sharpest
@@ -385,9 +384,3 @@ def _covered(cycle: CycleIntegrand, a: float) -> bool:
         else:
             todo += [(x0, x1, y0, (y0 + y1) / 2), (x0, x1, (y0 + y1) / 2, y1)]
     return True
-
-
-def _between(low: float, high: float) -> flint.arb:
-    """Return a real ball that holds an interval."""
-    # rounded outward: middle and half width of doubles are each off by a rounding
-    return flint.arb((low + high) / 2, (high - low) / 2 * (1 + 1e-12) + 1e-15)

@@ -236,17 +236,11 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         with ProgressBar() as progress:
             return ANSWER, save_scene(scene, target, options.cost, progress, sheet=sheet)
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
-        refuse_live(options.live)
-        given = {"--q": options.q, "--velocity": options.velocity, "--momentum": options.momentum}
-        given |= {"--find": options.find, "--cost": options.cost, "--brief": options.brief, "--slider": options.slider}
-        given |= {"--motion": options.motion != "default", "--digits": options.digits != 15}
-        refuse_unused({name: bool(value) for name, value in given.items()}, "the entry is not given by T and V")
+        _refuse_with_outside(options)
         return REFUSED, write_document(outside_document(outside), target, sheet=sheet)
     initial = arguments_read.initial(options)
     if arguments_read.given_hamiltonian(options) is not None:
-        refuse_live(options.live)
-        given = {"--cost": options.cost, "--brief": options.brief, "--slider": bool(options.slider)}
-        refuse_unused(given, "H(q, p) is linear in p, and all of it is closed forms")
+        _refuse_with_hamiltonian(options)
         initial = initial or arguments_read.own_motion(options)
         more: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "sheet": sheet}
         return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **more)
@@ -267,6 +261,26 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         more = {"live": options.live, "sliders": sliders, "brief": options.brief, "sheet": sheet}
         status = ANSWER if material.quadratic else _status(material.verdict)
         return status, save(material, target, options.cost, progress, **more)
+
+
+def _refuse_with_outside(options: Namespace) -> None:
+    """Refuse options that mean nothing for an entry that is not given by T and V."""
+    from hjsolve.reports.write import refuse_live
+
+    refuse_live(options.live)
+    given = {"--q": options.q, "--velocity": options.velocity, "--momentum": options.momentum}
+    given |= {"--find": options.find, "--cost": options.cost, "--brief": options.brief, "--slider": options.slider}
+    given |= {"--motion": options.motion != "default", "--digits": options.digits != 15}
+    refuse_unused({name: bool(value) for name, value in given.items()}, "the entry is not given by T and V")
+
+
+def _refuse_with_hamiltonian(options: Namespace) -> None:
+    """Refuse options that mean nothing for an H(q, p) that is linear in p."""
+    from hjsolve.reports.write import refuse_live
+
+    refuse_live(options.live)
+    given = {"--cost": options.cost, "--brief": options.brief, "--slider": bool(options.slider)}
+    refuse_unused(given, "H(q, p) is linear in p, and all of it is closed forms")
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -293,17 +293,24 @@ def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals,
     return agrees
 
 
-def _collected(
-    what: tuple[Solution, Mapping[sp.Symbol, sp.Expr], VariedSymbols], batch: Batch,
-    found: tuple[Reals, Reals, Reals, Reals, Reals], good: Mask, status: Any,
-) -> BatchDerivatives:  # fmt: skip
-    """∂J/∂α and ∂Ω/∂α with their errors, the frequencies checked, and what follows from them."""
-    solution, _, variables = what
+class _OfFrequencies(NamedTuple):
+    """Ω and ∂Ω/∂x of n orbits, from K = ∂J/∂α and its derivatives.
+
+    Attributes:
+        Ω, uncertainty: the frequencies and what the errors of K leave open of them, shape (n, i).
+        slopes, bound, scale: ∂Ωᵢ/∂x, its error, and the size of its terms without signs, shape (n, i, k).
+    """
+
+    Ω: Reals
+    uncertainty: Reals
+    slopes: Reals
+    bound: Reals
+    scale: Reals
+
+
+def _of_frequencies(found: tuple[Reals, Reals, Reals, Reals, Reals], good: Mask, E: int, n: int) -> _OfFrequencies:
+    """Differentiate K⁻¹, whose row of the energy are the frequencies: dK⁻¹ = −K⁻¹ dK K⁻¹."""
     K, K_error, dK, error, sizes = found
-    constants, names = list(variables.constants), list(solution.coordinates)
-    varied = [*constants, *variables.parameters]
-    order = names + [c.name for c in solution.system.coordinates if c.name not in names]
-    E, n = constants.index(solution.separation.shell.energy.name), len(constants)
     # the unit matrix stands for orbits without one, so that all inverses are taken in one call
     matrices = np.where(good, K[:, :n], np.eye(n)[:, :, None]).transpose(2, 0, 1)
     with np.errstate(all="ignore"):
@@ -313,21 +320,37 @@ def _collected(
         size = np.abs(inverse)
         row, rows = Ω[:, None, :], np.abs(Ω)[:, None, :]
         slopes, unsure, wide = (x.transpose(3, 2, 0, 1) for x in (dK, error + 8 * EPS * np.abs(dK), sizes))  # k, i, j
+        varied = range(slopes.shape[1])
         # dK⁻¹ = −K⁻¹ dK K⁻¹, of which Ω is one row
-        dΩ = -np.concatenate([row @ slopes[:, k] @ inverse for k in range(len(varied))], axis=1).transpose(0, 2, 1)
+        dΩ = -np.concatenate([row @ slopes[:, k] @ inverse for k in varied], axis=1).transpose(0, 2, 1)
         unsure_K = np.where(good, K_error[:, :n] + 64 * EPS * np.abs(K[:, :n]), 0.0).transpose(2, 0, 1)
         spread = size @ unsure_K @ size  # what the errors of K leave open of K⁻¹
         bound, terms = [], []
-        for k in range(len(varied)):
+        for k in varied:
             steep = np.abs(slopes[:, k])
             # first order in what is not known of both factors K⁻¹
             rounded = rows @ steep @ spread + spread[:, E : E + 1, :] @ steep @ size
             # the size of all terms without signs: the claim is relative to it, as the derivative itself may vanish
             terms.append(rows @ wide[:, k] @ size)
             bound.append(rows @ unsure[:, k] @ size + rounded)
-        bound = np.concatenate(bound, axis=1).transpose(0, 2, 1) + 64 * EPS * np.abs(dΩ)
+        bounds = np.concatenate(bound, axis=1).transpose(0, 2, 1) + 64 * EPS * np.abs(dΩ)
         scale = np.concatenate(terms, axis=1).transpose(0, 2, 1)
-    _check(batch, order, Ω, spread[:, E, :], good)
+    return _OfFrequencies(Ω, spread[:, E, :], dΩ, bounds, scale)
+
+
+def _collected(
+    what: tuple[Solution, Mapping[sp.Symbol, sp.Expr], VariedSymbols], batch: Batch,
+    found: tuple[Reals, Reals, Reals, Reals, Reals], good: Mask, status: Any,
+) -> BatchDerivatives:  # fmt: skip
+    """∂J/∂α and ∂Ω/∂α with their errors, the frequencies checked, and what follows from them."""
+    solution, _, variables = what
+    K, K_error, *_ = found
+    constants, names = list(variables.constants), list(solution.coordinates)
+    varied = [*constants, *variables.parameters]
+    order = names + [c.name for c in solution.system.coordinates if c.name not in names]
+    energy = constants.index(solution.separation.shell.energy.name)
+    Ω, uncertainty_of_Ω, dΩ, bound, scale = _of_frequencies(found, good, energy, len(constants))
+    _check(batch, order, Ω, uncertainty_of_Ω, good)
     with np.errstate(all="ignore"):
         good &= (bound <= TOLERANCE * scale).all(axis=(1, 2))
     status = np.where(~good & (status == "ok"), "not_converged", status)

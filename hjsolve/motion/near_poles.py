@@ -55,7 +55,7 @@ def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[
 def roundings(motion: SeparatedMotion, coordinate_motion: CoordinateMotion) -> bool:
     """Return whether a motion with one separated coordinate comes to places where its velocities are blurred."""
     system, name = motion.solution.system, motion.solution.coordinates[0]
-    # places of half a turn show whether the motion comes next to a pole or a turning point at all
+    # places of half a turn show whether the motion comes next to a pole at all: it is nearest at a turning point
     χ = np.linspace(0, np.pi, 65) if coordinate_motion.cycle else np.linspace(-1, 1, 65)
     q, p = {}, {}
     q[name], p[name] = coordinate_motion.place(χ)
@@ -162,6 +162,7 @@ def lost_in_two_doubles(
         One array a formula, of the shape of the places.
     """
     pairs, p, shape = _in_two_doubles(motion, q, shell, ignorable)
+    # the rule counts roundings of 2⁻⁵³, as if of doubles; those of two doubles are so many times smaller
     places = {name: Rounded(x) for name, x in pairs.items()}
     momenta = {name: Rounded(x, _rounding(x)) for name, x in p.items()}
     found = _run(motion, formulas, places, momenta, RunningError(DoubleDouble()), _rounded_constant)

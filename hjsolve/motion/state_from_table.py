@@ -219,7 +219,7 @@ class _Quantities:
         value = self.until_the_end(value)
         if sharp is None or not sharp.any():
             return value
-        # only the times next to a turning point, where a velocity is a small difference
+        # only the times next to a pole, where a place in doubles has lost what the velocity depends on
         near = self.table.places(motion, self.arguments[0][sharp])
         return velocities_from_pairs(motion, *near, self.q, {name: value}, sharp)[name]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from hjsolve.arithmetic.asymptotic_expansion import BITS
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
-from hjsolve.arithmetic.interval import Interval, Intervals, meet
+from hjsolve.arithmetic.interval import Interval, Intervals, meet, over_shape
 from hjsolve.arithmetic.jet import Derivatives, Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Numeric
 from hjsolve.arithmetic.sign_at_infinity import sign_before, sign_beyond, sign_in_the_end
@@ -158,9 +158,7 @@ class MomentumSquared:
             # over a narrow cell the mean value form is off by (width)², the formula as it stands by its width
             sharp = field.add(centre, field.mul(first, field.sub(cell, Interval(middle, middle))))
             value = meet(value, sharp)
-        return Derivatives(
-            *(Interval(*(np.broadcast_to(end, np.shape(low)) for end in part)) for part in (value, first, second))
-        )
+        return Derivatives(*(over_shape(part, np.shape(low)) for part in (value, first, second)))
 
 
 def has_period(radicand: MomentumSquared, place: Number) -> bool:

@@ -103,6 +103,7 @@ class Deflated:
     def _run(self, on: DifferenceRules[N], q: N) -> DividedValues[N]:
         one, zero = on.fixed(_ONE), on.fixed(single(0, 0))
         slots: list[DividedValues[N] | None] = [None] * len(self.ends)
+        # of q itself: q[a, b, q] = 0 and q[b, q] = q[a, q] = 1
         slots[0] = DividedValues(q, zero, one, one)
         for line in self.lines:
             slots[line.target] = on.step(line, self.ends, slots)
@@ -133,7 +134,6 @@ class _Builder:
         self.lines: list[ProgramLine] = []
         self.width = width
         self.slots = list(range(len(self.ends)))
-        self.known: dict[ProgramLine, int] = {}
 
     def add(self, operation: Operation) -> None:
         self.slots.append(self._slot(operation, [self.slots[i] for i in operation.operands]))
@@ -199,8 +199,10 @@ class _Builder:
             case "add":
                 found = d.add(first, second)
             case "mul":
+                # Leibniz: (fg)[a, b] = f(a) g[a, b] + f[a, b] g(b)
                 found = d.add(d.mul(f.lower, second), d.mul(first, g.upper))
             case "inverse":
+                # (1/f)[a, b] = −f[a, b]/(f(a) f(b)), with both inverses known already
                 found = d.mul(d.mul(*at), -first)
             case _:
                 found = d.mul(d.chord(code, f.lower, f.upper, *at), first)

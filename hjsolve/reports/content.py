@@ -261,13 +261,7 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
     elif isinstance(verdict, Separation):
         sections.append(quadratures.forms_section(verdict))
     else:
-        sections.append(obstruction.refusal_section(verdict))
-        modes = _timed(clock, "linear modes", lambda: linear_modes_of(system))
-        if modes is not None:
-            sections.append(linear_modes_section(modes, material.initial))
-        sections.append(_timed(clock, "other coordinates", lambda: other_coordinates(system)))
-        if (start := material.initial) is not None and not brief and modes is None:
-            sections.append(_timed(clock, "surface of section", lambda: section_of_refused_motion(system, start)))
+        sections += _of_refusal(material, verdict, clock, brief=brief)
     if material.solution is not None:
         solved = material.solution
         sections += quadratures.solution_sections(solved)
@@ -293,6 +287,21 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
     title = heading(system.title, system.symbols) if system.title else "A mechanical system"
     shown = tuple(s for s in sections if s is not None)
     return Document(title, system.id, _lead(material), shown, _ANSWERS[type(verdict)], "; ".join(failures))
+
+
+def _of_refusal(
+    material: Material, verdict: Obstruction | Undecided, clock: dict[str, float], *, brief: bool
+) -> list[Section | None]:
+    """Why it does not separate, and what can be said of the motions all the same."""
+    system = verdict.system
+    modes = _timed(clock, "linear modes", lambda: linear_modes_of(system))
+    sections: list[Section | None] = [obstruction.refusal_section(verdict)]
+    if modes is not None:
+        sections.append(linear_modes_section(modes, material.initial))
+    sections.append(_timed(clock, "other coordinates", lambda: other_coordinates(system)))
+    if (start := material.initial) is not None and not brief and modes is None:
+        sections.append(_timed(clock, "surface of section", lambda: section_of_refused_motion(system, start)))
+    return sections
 
 
 def _add_numbers(

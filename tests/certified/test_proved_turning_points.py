@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import hjsolve
+from hjsolve.arithmetic.ball import between
 from hjsolve.motion import certified
 
-pytest.importorskip("flint")
+flint = pytest.importorskip("flint")
 
 
 def line(potential, **given):
@@ -58,3 +61,12 @@ def test_a_start_at_rest_goes_where_the_force_points():
     low, high = found.turning_points["x"]
     assert low.value == 0.5
     assert abs(high.value**2 - 1.75) < 1e-18
+
+
+@pytest.mark.parametrize("low", [0.1, 1 / 3, 0.7, 1e9 / 7])
+def test_the_ball_of_a_short_step_holds_both_of_its_ends(low):
+    """The middle of two neighbouring doubles rounds to one of them: half of their distance does not reach the other."""
+    high = math.nextafter(low, math.inf)
+    ball = between(low, high)
+    assert ball.contains(flint.arb(low))
+    assert ball.contains(flint.arb(high))

@@ -7,10 +7,11 @@ import pytest
 import sympy as sp
 
 import hjsolve
+from hjsolve.arithmetic.interval import Interval
 from hjsolve.two_point.one_freedom.high_energies import far_time
 from hjsolve.two_point.one_freedom.line_branches import branches
 from hjsolve.two_point.one_freedom.proved_search import TravelTimes, all_energies
-from hjsolve.two_point.one_freedom.travel_time import Line, Span, across, outward
+from hjsolve.two_point.one_freedom.travel_time import Line, across, outward
 
 Q = sp.Symbol("q", real=True)
 INF = float("inf")
@@ -36,18 +37,18 @@ def test_branches_between_two_places_are_numbered_by_direction_and_turning_point
 
 @pytest.mark.parametrize("E", [-0.5, 0.0, 0.9])
 def test_times_to_the_turning_point_and_their_slopes_are_enclosed(E):
-    part = outward(pendulum(), 1.0, 1, Span(E, E), 384)
+    part = outward(pendulum(), 1.0, 1, Interval(E, E), 384)
     slope = (quarter(E + 1e-6, 1.0) - quarter(E - 1e-6, 1.0)) / 2e-6
     assert part.turns
     assert part.time.low <= quarter(E, 1.0) <= part.time.high < part.time.low * 1.01
     assert part.slope.low <= slope <= part.slope.high
-    wide = outward(pendulum(), 1.0, 1, Span(E, E + 0.01), 96)
+    wide = outward(pendulum(), 1.0, 1, Interval(E, E + 0.01), 96)
     for at in (E, E + 0.005, E + 0.01):
         assert wide.time.low <= quarter(at, 1.0) <= wide.time.high
 
 
 def test_a_direct_way_is_faster_the_more_energy_there_is():
-    part = across(pendulum(), 0.3, 1.0, Span(0.0, 0.1), 96)
+    part = across(pendulum(), 0.3, 1.0, Interval(0.0, 0.1), 96)
     x, w = np.polynomial.legendre.leggauss(60)
     q = 0.65 + 0.35 * x
     true = [float(np.sum(w / np.sqrt(2 * (E + np.cos(q)))) * 0.35) for E in (0.0, 0.05, 0.1)]
@@ -56,14 +57,14 @@ def test_a_direct_way_is_faster_the_more_energy_there_is():
 
 
 def test_above_the_barrier_a_pendulum_does_not_turn():
-    assert outward(pendulum(), 1.0, 1, Span(1.1, 2.0), 96).turns is False
+    assert outward(pendulum(), 1.0, 1, Interval(1.1, 2.0), 96).turns is False
 
 
 @pytest.mark.parametrize("gap", [1e-8, 1e-13])
 def test_the_time_to_a_turning_point_is_long_next_to_the_barrier(gap):
     # with V = −cos q: from q the time to the turning point near π is ∫ dq/√(2(E − V)), and E = 1 − gap
     E = 1 - gap
-    part = outward(pendulum(), 2.9, 1, Span(E, E + gap / 2), 384)
+    part = outward(pendulum(), 2.9, 1, Interval(E, E + gap / 2), 384)
     t = np.linspace(0, np.arccosh((np.pi - 2.9) / np.sqrt(2 * gap)), 20_001)
     x = np.sqrt(2 * gap) * np.cosh(t)  # π − q, and E − V = x²/2 − gap to a part in x²
     dx = np.sqrt(2 * gap) * np.sinh(t)
@@ -75,7 +76,7 @@ def test_the_time_to_a_turning_point_is_long_next_to_the_barrier(gap):
 def test_times_at_all_high_energies_are_bounded_for_a_quartic_and_for_a_weight():
     quartic = Line(Q, Q**4 / 4 - Q**2 / 2, 1 / sp.sqrt(2), {}, (-INF, INF), 0.0)
     bound = far_time(quartic, 1.0, 1, 1e9).time.high
-    assert outward(quartic, 1.0, 1, Span(4e9, 4e9), 384).time.high < bound < 0.1
+    assert outward(quartic, 1.0, 1, Interval(4e9, 4e9), 384).time.high < bound < 0.1
     weight = Line(Q, Q, 1 / sp.sqrt(2), {}, (-INF, INF), 0.0)
     assert far_time(weight, 1.0, 1, 1e9).time.low > 1e3
 
@@ -130,8 +131,8 @@ def test_all_energies_of_a_bounded_problem_are_isolated():
     assert len(proof.energies) == 3
     for energy in proof.energies:
         E = energy.value
-        D = across(times.line, 0.3, 1.0, Span(E, E), 1536).time
-        U, L = (outward(times.line, at, s, Span(E, E), 1536).time for at, s in ((1.0, 1), (0.3, -1)))
+        D = across(times.line, 0.3, 1.0, Interval(E, E), 1536).time
+        U, L = (outward(times.line, at, s, Interval(E, E), 1536).time for at, s in ((1.0, 1), (0.3, -1)))
         b = energy.branch
         total = [b.direct * d + 2 * b.upper * u + 2 * b.lower * low for d, u, low in zip(D, U, L, strict=True)]
         assert total[0] < 9.0 * 1.001

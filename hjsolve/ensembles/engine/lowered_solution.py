@@ -187,6 +187,7 @@ def _separated(
             clearance = Clearance(lower(seen, arguments), numbers, alone=False, side=side)
         else:
             shapes = _shapes([near(e) for e in parts], q)
+            # a table is kept by its numbers: parameters that only scale a function would ask for a new one each time
             inner = tuple(s for s in parameters if any(e.has(s) for e in shapes))
             clearance = _clearance(shapes, (q, *inner), tuple(parameter_pair(values[s]) for s in inner), side)
         return LoweredFormula(
@@ -216,6 +217,7 @@ def _parts(F: sp.Expr, constants: Sequence[sp.Symbol]) -> list[sp.Expr] | None:
     """Return the coefficients of F as a polynomial in the constants; None where it is none, or of a high degree."""
     found, level = [], [(F, 0)]
     none = dict.fromkeys(constants, 0)
+    # Taylor's coefficients at c = 0 but for n!, order by order; F is a polynomial if those of some order are all 0
     for _ in range(_HIGHEST_DEGREE + 1):
         found += [e.subs(none) for e, _ in level]
         level = [
@@ -262,6 +264,7 @@ def multiplied_out(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
     def expanded(e: sp.Expr) -> sp.Expr:
         if e.is_Add and e.has(x):
             wide = sp.expand(e)
+            # a sum that grows is run at every node of every orbit: it stays as it is
             return wide if sp.count_ops(wide) <= 2 * sp.count_ops(e) + 8 else e
         return e
 

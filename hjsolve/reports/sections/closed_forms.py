@@ -109,6 +109,19 @@ def _section(form: RegimeForms, number: int) -> Section:
     )  # fmt: skip
     blocks: list[Block | _TooLong] = [Paragraph(intro), *conditions]
     forms_shown = _ShownForms(form.where)
+    blocks += _formulas(form, forms_shown)
+    blocks += _in_actions(form)
+    blocks += _quantities(form, forms_shown)
+    long = [block.name for block in blocks if isinstance(block, _TooLong)]
+    shown = [block for block in blocks if not isinstance(block, _TooLong)] + _remarks(form, long)
+    suffix = f"-{number}" if number else ""
+    title = f"Closed forms, regime {number}" if number else "Closed forms"
+    return Section(f"closed-forms{suffix}", title, tuple(shown))
+
+
+def _formulas(form: RegimeForms, forms_shown: _ShownForms) -> list[Block | _TooLong]:
+    """Return the time law, the coordinates along the motion, W and the energy."""
+    blocks: list[Block | _TooLong] = []
     if form.time_law is not None:
         blocks += forms_shown.shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)"))
     for q, e in form.inverse.items():
@@ -126,7 +139,13 @@ def _section(form: RegimeForms, number: int) -> Section:
         blocks += forms_shown.shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)"))
     if form.energy is not None:
         blocks += forms_shown.shown("energy", form.energy, partial(formula, name_box("E")))
-    blocks += _in_actions(form)
+    return blocks
+
+
+def _quantities(form: RegimeForms, forms_shown: _ShownForms) -> list[Block | _TooLong]:
+    """Return the quantities of the motion: short ones in a table, long ones below it."""
+    blocks: list[Block | _TooLong] = []
+    system = form.solution.system
     numbers = [
         (group, q, _by_frequency(form, group, q, e)) for group in _GROUPS for q, e in getattr(form, group).items()
     ]
@@ -139,8 +158,13 @@ def _section(form: RegimeForms, number: int) -> Section:
         if (group, q, e) not in narrow:
             left = row(Glyph(f"{_GROUPS[group]} of ", "text"), name_box(q))
             blocks += forms_shown.shown(f"{group}.{q}", e, partial(formula, left))
-    long = [block.name for block in blocks if isinstance(block, _TooLong)]
-    shown: list[Block] = [block for block in blocks if not isinstance(block, _TooLong)]
+    return blocks
+
+
+def _remarks(form: RegimeForms, long: list[str]) -> list[Block]:
+    """Return what is to be said of the forms shown, and of those that are not: too long, or not found."""
+    system = form.solution.system
+    shown: list[Block] = []
     if any(value.has(*_WITH_PARAMETER) for value in form.named().values()):
         shown.append(Paragraph((_CONVENTION,)))
     if form.solution.coordinates:
@@ -154,9 +178,7 @@ def _section(form: RegimeForms, number: int) -> Section:
     if form.why_not:
         missing = tuple((_names(form, names), typeset_prose(text, system)) for text, names in _by_reason(form.why_not))
         shown.append(Table((("Quantity",), ("Why",)), missing, "Without a closed form: proved, or not found"))
-    suffix = f"-{number}" if number else ""
-    title = f"Closed forms, regime {number}" if number else "Closed forms"
-    return Section(f"closed-forms{suffix}", title, tuple(shown))
+    return shown
 
 
 def _by_frequency(form: RegimeForms, group: str, q: str, e: sp.Expr) -> sp.Expr:

@@ -26,28 +26,21 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.interval import Interval, hull, meet
+from hjsolve.arithmetic.interval import Interval, exact, hull, meet, over_shape
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.lowering import lower
 from hjsolve.two_point.central.radial_arcs import DIRECT, INNER, OUTER, RadialArcs
-from hjsolve.two_point.central.radial_grid import FIELD
+from hjsolve.two_point.central.radial_grid import FIELD, root_of_positive, summed
 
-_OUT = 1e-13
-"""Rounding of a sum of some hundred terms, in units of the sum of their sizes."""
 _EPS = 1e-15
 mul, add, sub, div, power = FIELD.mul, FIELD.add, FIELD.sub, FIELD.div, FIELD.power
 
 
-def _exact(x: Reals | float) -> Interval:
-    x = np.asarray(x, dtype=float)
-    return Interval(x, x)
-
-
-_HALF, _ONE, _TWO, _SIXTH = _exact(0.5), _exact(1.0), _exact(2.0), div(_exact(1.0), _exact(6.0))
+_HALF, _ONE, _TWO, _SIXTH = exact(0.5), exact(1.0), exact(2.0), div(exact(1.0), exact(6.0))
 
 
 def _middle(x: Interval) -> Interval:
-    return _exact((np.asarray(x.low) + np.asarray(x.high)) / 2)
+    return exact((np.asarray(x.low) + np.asarray(x.high)) / 2)
 
 
 def _from(x: Interval, middle: Interval) -> Interval:
@@ -60,10 +53,6 @@ def _from(x: Interval, middle: Interval) -> Interval:
 
 def _positive(x: Interval) -> Interval:
     return Interval(np.maximum(x.low, 0), x.high)
-
-
-def _root(x: Interval) -> Interval:
-    return _positive(FIELD.unary("sqrt", Interval(np.maximum(x.low, 0), np.maximum(x.high, 0))))
 
 
 class PotentialJet(NamedTuple):
@@ -93,7 +82,7 @@ class SquarePotential:
         """
         rows = self._plain.run(FIELD, [u])
         shape = np.shape(u.low)
-        V, slope = (Interval(np.broadcast_to(x.low, shape), np.broadcast_to(x.high, shape)) for x in rows)
+        V, slope = (over_shape(row, shape) for row in rows)
         return V, slope
 
     def over(self, u: Interval) -> PotentialJet:
@@ -104,7 +93,7 @@ class SquarePotential:
         """
         rows = self._tape.run(FIELD, [u])
         shape = np.shape(u.low)
-        return PotentialJet(*(Interval(np.broadcast_to(x.low, shape), np.broadcast_to(x.high, shape)) for x in rows))
+        return PotentialJet(*(over_shape(row, shape) for row in rows))
 
 
 class _Pair(NamedTuple):
@@ -122,7 +111,7 @@ def _pair(P: SquarePotential, v: Interval, w: Interval) -> _Pair:
     """
     between = P.over(hull(v, w))
     shape = np.broadcast_shapes(np.shape(v.low), np.shape(w.low))
-    v0, w0 = (_exact(np.broadcast_to(_middle(x).low, shape)) for x in (v, w))
+    v0, w0 = (exact(np.broadcast_to(_middle(x).low, shape)) for x in (v, w))
     dv, dw = _from(v, _middle(v)), _from(w, _middle(w))
     at_v, at_w, over_v, over_w = P.over(v0), P.over(w0), P.over(v), P.over(w)
     gap, gap0 = sub(w, v), sub(w0, v0)
@@ -180,10 +169,10 @@ class Triple(NamedTuple):
 
 
 def _orbit(P: SquarePotential, boxes: ApsidalBoxes) -> _Orbit:
-    p = sub(_exact(boxes.u_low), power(boxes.x, 2))
+    p = sub(exact(boxes.u_low), power(boxes.x, 2))
     p = Interval(np.maximum(p.low, 1e-300), np.maximum(p.high, 1e-300))
-    a = add(_exact(boxes.u_high), power(boxes.y, 2))
-    width = add(add(_exact(boxes.u_high - boxes.u_low), power(boxes.x, 2)), power(boxes.y, 2))
+    a = add(exact(boxes.u_high), power(boxes.y, 2))
+    width = add(add(exact(boxes.u_high - boxes.u_low), power(boxes.x, 2)), power(boxes.y, 2))
     ends = _pair(P, p, a)
     p0, a0 = _middle(p), _middle(a)
     (V, slope), (V0, _) = P.plain(p), P.plain(p0)
@@ -257,32 +246,28 @@ class _Stretch(NamedTuple):
 
 def _passages(boxes: ApsidalBoxes, orbit: _Orbit, *, anomaly: bool) -> tuple[_Passage, _Passage]:
     """θ or ν of the lower place, and π less that of the upper one."""
-    gap, x, y, width = _exact(boxes.u_high - boxes.u_low), boxes.x, boxes.y, orbit.width
+    gap, x, y, width = exact(boxes.u_high - boxes.u_low), boxes.x, boxes.y, orbit.width
     # what tan(θ/2) is multiplied by for tan(ν/2), and its inverse for what lacks to π
-    factor = _root(div(orbit.a, orbit.p)) if anomaly else _ONE
-    inverse = _root(div(orbit.p, orbit.a)) if anomaly else _ONE
+    factor = root_of_positive(div(orbit.a, orbit.p)) if anomaly else _ONE
+    inverse = root_of_positive(div(orbit.p, orbit.a)) if anomaly else _ONE
     result = []
     for z, other, by_z, by_other, swap in ((x, y, factor, inverse, False), (y, x, inverse, factor, True)):
-        c = _root(add(gap, power(other, 2)))
+        c = root_of_positive(add(gap, power(other, 2)))
         with np.errstate(all="ignore"):
             angle = mul(_TWO, FIELD.unary("atan", mul(by_z, div(z, c))))
         angle = meet(angle, Interval(np.zeros(1), np.full(1, np.pi * (1 + _EPS))))
         own = div(mul(_TWO, mul(by_z, c)), width)
-        cross = _negative(div(mul(_TWO, mul(by_other, mul(z, div(other, c)))), width))
+        cross = FIELD.unary("neg", div(mul(_TWO, mul(by_other, mul(z, div(other, c)))), width))
         result.append(_Passage(_positive(angle), *((cross, own) if swap else (own, cross))))
     return result[0], result[1]
-
-
-def _negative(x: Interval) -> Interval:
-    return Interval(-np.asarray(x.high), -np.asarray(x.low))
 
 
 def _stretches(boxes: ApsidalBoxes, orbit: _Orbit, count: int, *, anomaly: bool) -> tuple[_Stretch, _Stretch, _Stretch]:
     """Return the direct, the outer and the inner arc, cut so that neither θ nor ν changes much over a cell."""
     lower_, upper = _passages(boxes, orbit, anomaly=anomaly)
-    zero, π = _exact(np.zeros_like(boxes.x.low)), FIELD.pi()
+    zero, π = exact(np.zeros_like(boxes.x.low)), FIELD.pi()
     start, finish = _Passage(zero, zero, zero), _Passage(add(zero, π), zero, zero)
-    away = _Passage(_positive(sub(π, upper.angle)), _negative(upper.x), _negative(upper.y))
+    away = _Passage(_positive(sub(π, upper.angle)), FIELD.unary("neg", upper.x), FIELD.unary("neg", upper.y))
     result = []
     between = sub(away.angle, lower_.angle)
     for begin, end, length in ((lower_, away, between), (away, finish, upper.angle), (start, lower_, lower_.angle)):
@@ -318,7 +303,7 @@ def _parts(orbit: _Orbit, first: Reals, last: Reals, count: int, *, anomaly: boo
 
 def _angles(arc: _Stretch, parts: Reals) -> Interval:
     """θ or ν at parts of an arc."""
-    return add(mul(arc.begin.angle, sub(_ONE, _exact(parts))), mul(arc.end.angle, _exact(parts)))
+    return add(mul(arc.begin.angle, sub(_ONE, exact(parts))), mul(arc.end.angle, exact(parts)))
 
 
 class _Columns(NamedTuple):
@@ -342,9 +327,9 @@ def _columns(orbit: _Orbit, arcs: tuple[_Stretch, ...], *, anomaly: bool) -> _Co
     # u rises with the angle, with p and with a
     u = []
     for k, place in enumerate((half.low, half.high)):
-        at = _exact(place)
+        at = exact(place)
         s2, c2 = (power(FIELD.unary(name, at), 2) for name in ("sin", "cos"))
-        p, a = _exact(orbit.p[k]), _exact(orbit.a[k])
+        p, a = exact(orbit.p[k]), exact(orbit.a[k])
         value = div(_ONE, add(div(c2, p), div(s2, a))) if anomaly else add(mul(c2, p), mul(s2, a))
         u.append(np.asarray(value[k]))
     inside = Interval(np.maximum(u[0], orbit.p.low), np.minimum(u[1], orbit.a.high))
@@ -361,21 +346,21 @@ def _rates(
             np.where(T.G.low > 0, 0.5 / np.sqrt(np.maximum(T.G.low, 0)) * (1 + _EPS), np.inf),
         )
     double, u2 = mul(_TWO, T.G), power(at.u, 2)
-    turn = mul(orbit.width, _root(mul(at.sine2, at.cosine2)))  # du/dθ = (a − p) sin(θ/2) cos(θ/2)
+    turn = mul(orbit.width, root_of_positive(mul(at.sine2, at.cosine2)))  # du/dθ = (a − p) sin(θ/2) cos(θ/2)
     by_p, by_a = at.cosine2, at.sine2
-    relative_p, relative_a = _exact(0.0), _exact(0.0)
+    relative_p, relative_a = exact(0.0), exact(0.0)
     if anomaly:
-        value = mul(value, _root(div(orbit.excess, orbit.a)))
+        value = mul(value, root_of_positive(div(orbit.excess, orbit.a)))
         turn = div(mul(turn, u2), mul(orbit.p, orbit.a))
         by_p, by_a = mul(at.cosine2, div(u2, power(orbit.p, 2))), mul(at.sine2, div(u2, power(orbit.a, 2)))
         relative_p = mul(_HALF, div(orbit.excess_p, orbit.excess))
         relative_a = mul(_HALF, sub(div(orbit.excess_a, orbit.excess), div(_ONE, orbit.a)))
-    by_angle = mul(mul(value, turn), _negative(div(T.u, double)))
+    by_angle = mul(mul(value, turn), FIELD.unary("neg", div(T.u, double)))
     if not slopes:
         return value, by_angle, ()
     found = []
     for z, own, moved, relative in (
-        (mul(_exact(-2.0), boxes.x), T.p, by_p, relative_p),
+        (mul(exact(-2.0), boxes.x), T.p, by_p, relative_p),
         (mul(_TWO, boxes.y), T.a, by_a, relative_a),
     ):
         found.append(mul(mul(value, z), sub(relative, div(add(own, mul(T.u, moved)), double))))
@@ -388,11 +373,8 @@ def _taken(x: Interval, columns: slice) -> Interval:
 
 def _sum(x: Interval) -> Interval:
     """Σ over cells, shape (b, 1)."""
-    with np.errstate(all="ignore"):
-        ends = [np.sum(e, axis=1, keepdims=True) for e in x]
-        sizes = [_OUT * np.sum(np.abs(e), axis=1, keepdims=True) for e in x]
-        low, high = ends[0] - sizes[0], ends[1] + sizes[1]
-    return Interval(np.where(np.isfinite(low), low, -np.inf), np.where(np.isfinite(high), high, np.inf))
+    total = summed(x)
+    return Interval(total.low[:, None], total.high[:, None])
 
 
 class _Found(NamedTuple):
@@ -410,17 +392,17 @@ def _integrals(
     """∫ K dθ or ∫ h dν over the arcs."""
     arcs = _stretches(boxes, orbit, count, anomaly=anomaly)
     at = _columns(orbit, arcs, anomaly=anomaly)
-    places = [_exact(np.full_like(boxes.x.low, u)) for u in (boxes.u_low, boxes.u_high)]
+    places = [exact(np.full_like(boxes.x.low, u)) for u in (boxes.u_low, boxes.u_high)]
     T = _triple(P, orbit, at.u)
     value, by_angle, by_xy = _rates(boxes, orbit, T, at, anomaly=anomaly, slopes=slopes)
     ends = []
     for u in places if slopes else ():
-        still = _Columns(u, _exact(0.0), _exact(0.0))
+        still = _Columns(u, exact(0.0), exact(0.0))
         ends.append(_rates(boxes, orbit, _triple(P, orbit, u), still, anomaly=anomaly, slopes=False)[0])
     values, found = [], []
     for k, arc in enumerate(arcs):
         cells, middles = (slice(n * count, (n + 1) * count) for n in (k, k + 3))
-        width = mul(arc.length, sub(_exact(arc.parts[:, 1:]), _exact(arc.parts[:, :-1])))
+        width = mul(arc.length, sub(exact(arc.parts[:, 1:]), exact(arc.parts[:, :-1])))
         rate = _taken(by_angle, cells)
         with np.errstate(all="ignore"):
             off = (np.asarray(rate.high) - np.asarray(rate.low)) / 8 * np.square(width.high) * (1 + 1e-12)
@@ -432,10 +414,10 @@ def _integrals(
             total = _sum(mul(_taken(by_xy[j], cells), width))
             if k != INNER:
                 upper = arc.begin if k == OUTER else arc.end
-                total = add(total, mul(_exact(-1.0 if k == OUTER else 1.0), mul(ends[1], upper[1 + j])))
+                total = add(total, mul(exact(-1.0 if k == OUTER else 1.0), mul(ends[1], upper[1 + j])))
             if k != OUTER:
                 lower_ = arc.end if k == INNER else arc.begin
-                total = add(total, mul(_exact(1.0 if k == INNER else -1.0), mul(ends[0], lower_[1 + j])))
+                total = add(total, mul(exact(1.0 if k == INNER else -1.0), mul(ends[0], lower_[1 + j])))
             totals.append(total)
         found.append(tuple(totals))
     return _Found(values, found, np.all(T.G.low > 0, axis=1), np.any(T.G.high < 0, axis=1))

@@ -24,15 +24,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.interval import Interval, meet
+from hjsolve.arithmetic.interval import Interval, exact, meet
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.two_point.central.radial_grid import FIELD, RadialGrid
+from hjsolve.two_point.central.radial_grid import FIELD, OUT, RadialGrid, root_of_positive, summed
 
-_OUT = 1e-13
-"""Rounding of a sum of some thousand terms, in units of the sum of their sizes."""
 _PLAIN = 0.4
 """Where f − λ² is more than this part of its greatest value, √(f − λ²) hardly varies over a box."""
-_TWO = Interval(np.array(2.0), np.array(2.0))
+_TWO = exact(2.0)
 DIRECT, OUTER, INNER = range(3)
 
 
@@ -117,10 +115,6 @@ def _of(x: Interval, index: Integers) -> Interval:
     return Interval(np.asarray(x.low)[index][:, None], np.asarray(x.high)[index][:, None])
 
 
-def _point(x: Reals) -> Interval:
-    return Interval(x, x)
-
-
 def _cells(grid: RadialGrid) -> Interval:
     return Interval(grid.r[None, :-1], grid.r[None, 1:])
 
@@ -136,11 +130,11 @@ def _fields(grid: RadialGrid, boxes: Boxes) -> _Fields:
     s2, λ2 = FIELD.power(boxes.s, 2), FIELD.power(boxes.λ, 2)
     Vj, rj = _of(grid.at_nodes.V, boxes.bound), grid.r[boxes.bound][:, None]
     top = add(s2, Vj)
-    E = add(top, FIELD.power(div(boxes.λ, _point(rj)), 2))
+    E = add(top, FIELD.power(div(boxes.λ, exact(rj)), 2))
     square, tangent2 = _squares(grid.at_nodes.V, grid.r, rj, top, boxes.λ)
     middle, _ = _squares(grid.at_middles.V, grid.middles, rj, top, boxes.λ)
     there = np.arange(len(grid.r))[None, :] == boxes.bound[:, None]
-    own = mul(FIELD.power(_point(rj), 2), s2)
+    own = mul(FIELD.power(exact(rj), 2), s2)
     own_tangent = mul(own, _inverse_square(boxes.λ))
     square = Interval(np.where(there, own.low, square.low), np.where(there, own.high, square.high))
     tangent2 = Interval(
@@ -150,9 +144,7 @@ def _fields(grid: RadialGrid, boxes: Boxes) -> _Fields:
     known = grid.centre is not None
     for x in (square, tangent2):
         x.low[:, 0], x.high[:, 0] = (-1.0, -1.0) if known else (-np.inf, np.inf)
-    σ, φ = (FIELD.unary("sqrt", Interval(np.maximum(x.low, 0), np.maximum(x.high, 0))) for x in (square, tangent2))
-    σ = Interval(np.maximum(σ.low, 0), σ.high)
-    φ = FIELD.unary("atan", Interval(np.maximum(φ.low, 0), φ.high))
+    σ, φ = root_of_positive(square), FIELD.unary("atan", root_of_positive(tangent2))
     φ = Interval(np.maximum(φ.low, 0), φ.high)
     cells = grid.over_cells
     low, high = _radii(grid.r[None, :-1], rj), _radii(grid.r[None, 1:], rj)
@@ -173,9 +165,9 @@ def _squares(V: Interval, r: Reals, rj: Reals, top: Interval, λ: Interval) -> t
 
 def _radii(r: Reals, rj: Reals) -> tuple[Interval, Interval]:
     """r² and r²/r_j² − 1."""
-    r2 = FIELD.power(_point(np.broadcast_to(r, (len(rj), r.shape[1]))), 2)
-    ρ = FIELD.mul(FIELD.sub(_point(r), _point(rj)), FIELD.add(_point(r), _point(rj)))
-    return r2, FIELD.div(ρ, FIELD.power(_point(rj), 2))
+    r2 = FIELD.power(exact(np.broadcast_to(r, (len(rj), r.shape[1]))), 2)
+    ρ = FIELD.mul(FIELD.sub(exact(r), exact(rj)), FIELD.add(exact(r), exact(rj)))
+    return r2, FIELD.div(ρ, FIELD.power(exact(rj), 2))
 
 
 def _with_coefficients(
@@ -188,7 +180,7 @@ def _with_coefficients(
     B = sub(mul(_TWO, A), W1)
     B2 = FIELD.power(B, 2)
     rh = mul(_TWO, div(add(mul(A, add(W1, W2)), FIELD.power(W1, 2)), B2))
-    rg = mul(_TWO, div(add(mul(Interval(np.array(3.0), np.array(3.0)), W1), W2), B2))
+    rg = mul(_TWO, div(add(mul(exact(3.0), W1), W2), B2))
     V, W1, _ = (_column(x) for x in grid.at_middles)
     A_middle = sub(E, V)
     B_middle = sub(mul(_TWO, A_middle), W1)
@@ -279,7 +271,7 @@ def _telescoped(c: Interval, x: Interval, cells: Mask, rising: Mask) -> tuple[Re
             terms = np.where(weight == 0, 0.0, weight * np.where(weight == 0, 0.0, ends))
             total, size = np.sum(terms, axis=1), np.sum(np.abs(terms), axis=1)
         bad = ~np.isfinite(total)
-        total = np.where(bad, np.inf if upper else -np.inf, total + (_OUT * size if upper else -_OUT * size))
+        total = np.where(bad, np.inf if upper else -np.inf, total + (OUT * size if upper else -OUT * size))
         result.append(total)
     return result[0], result[1]
 
@@ -308,7 +300,7 @@ def _rates(grid: RadialGrid, boxes: Boxes, F: _Fields) -> tuple[_Rates, _Rates]:
     by_λ = Interval(np.where(own, 0.0, by_λ.low), np.where(own, 0.0, by_λ.high))
     turned_s = div(mul(λ, by_s), f)
     turned_λ = div(sub(mul(λ, by_λ), F.σ), f)
-    E_λ = mul(mul(_TWO, λ), FIELD.div(_point(np.ones_like(rj)), FIELD.power(_point(rj), 2)))
+    E_λ = mul(mul(_TWO, λ), FIELD.div(exact(np.ones_like(rj)), FIELD.power(exact(rj), 2)))
     return _Rates(mul(_TWO, s), 0.0, by_s, turned_s), _Rates(E_λ, 1.0, by_λ, turned_λ)
 
 
@@ -317,8 +309,8 @@ def _coefficients(grid: RadialGrid, boxes: Boxes, F: _Fields, rate: _Rates) -> t
     mul, add, sub, div = FIELD.mul, FIELD.add, FIELD.sub, FIELD.div
     W1 = _column(grid.over_cells.first)
     B2 = FIELD.power(F.B, 2)
-    h_E = div(mul(Interval(np.array(-2.0), np.array(-2.0)), W1), B2)
-    g_E = div(Interval(np.array(-4.0), np.array(-4.0)), B2)
+    h_E = div(mul(exact(-2.0), W1), B2)
+    g_E = div(exact(-4.0), B2)
     time = mul(rate.E, sub(g_E, div(F.rg, F.B)))
     angle = mul(rate.E, sub(h_E, div(F.rh, F.B)))
     if rate.λ:
@@ -332,7 +324,7 @@ def _nodes(grid: RadialGrid, boxes: Boxes) -> tuple[Interval, Interval]:
     """Return g and h at the nodes."""
     V, W1, _ = (_column(x) for x in grid.at_nodes)
     rj = grid.r[boxes.bound][:, None]
-    lifted = FIELD.div(boxes.λ, _point(rj))
+    lifted = FIELD.div(boxes.λ, exact(rj))
     E = FIELD.add(FIELD.add(FIELD.power(boxes.s, 2), _of(grid.at_nodes.V, boxes.bound)), FIELD.power(lifted, 2))
     A = FIELD.sub(E, V)
     B = FIELD.sub(FIELD.mul(_TWO, A), W1)
@@ -349,18 +341,13 @@ def _boundary(F: _Fields, counted: Mask, weight: Interval, rate: Interval) -> tu
     with np.errstate(all="ignore"):
         low = np.where(ends, np.where(edge > 0, product.low, -product.high), 0.0)
         high = np.where(ends, np.where(edge > 0, product.high, -product.low), 0.0)
-        size = _OUT * np.sum(np.where(ends, np.abs(product.high), 0.0), axis=1)
+        size = OUT * np.sum(np.where(ends, np.abs(product.high), 0.0), axis=1)
         return np.sum(low, axis=1) - size, np.sum(high, axis=1) + size
 
 
-def _summed(x: Interval, cells: Mask) -> tuple[Reals, Reals]:
-    """Bounds of a sum over cells."""
-    with np.errstate(all="ignore"):
-        low, high = (np.where(cells, np.broadcast_to(end, cells.shape), 0.0) for end in x)
-        return (
-            np.sum(low, axis=1) - _OUT * np.sum(np.abs(low), axis=1),
-            np.sum(high, axis=1) + _OUT * np.sum(np.abs(high), axis=1),
-        )
+def _summed(x: Interval, cells: Mask) -> Interval:
+    """Enclose a sum over some cells."""
+    return summed(Interval(np.where(cells, x.low, 0.0), np.where(cells, x.high, 0.0)))
 
 
 class _Plain(NamedTuple):
@@ -378,21 +365,21 @@ def _plain(grid: RadialGrid, boxes: Boxes, F: _Fields) -> _Plain:
     r = _cells(grid)
     ρ = Interval(*(np.asarray(end) for end in _radii(grid.r[None, :-1], rj)[1]))
     ρ = Interval(ρ.low, np.asarray(_radii(grid.r[None, 1:], rj)[1].high))
-    width = FIELD.sub(_point(grid.r[None, 1:]), _point(grid.r[None, :-1]))
-    σ = FIELD.unary("sqrt", Interval(np.maximum(F.inside.low, 0), np.maximum(F.inside.high, 0)))
+    width = FIELD.sub(exact(grid.r[None, 1:]), exact(grid.r[None, :-1]))
+    σ = root_of_positive(F.inside)
     values = _by_middles(grid, boxes, F, σ)
     cube = FIELD.power(σ, 3)
     less = div(mul(width, r), cube)
     by_s = mul(mul(s, less), FIELD.power(r, 2)), mul(mul(s, λ), less)
     by_λ = mul(mul(λ, ρ), less), sub(div(mul(mul(FIELD.power(λ, 2), ρ), width), mul(r, cube)), div(width, mul(r, σ)))
-    negative = tuple(tuple(Interval(-x.high, -x.low) for x in pair) for pair in (by_s, by_λ))
+    negative = tuple(tuple(FIELD.unary("neg", x) for x in pair) for pair in (by_s, by_λ))
     return _Plain(values, (negative[0], negative[1]))  # type: ignore[arg-type]
 
 
 def _by_middles(grid: RadialGrid, boxes: Boxes, F: _Fields, σ: Interval) -> tuple[Interval, Interval]:
     """Enclose ∫ u d(ln r), u = r²/σ and λ/σ, by the middles of cells: 2δ u_m ± δ² (sup u′ − inf u′)/2."""
     mul, add, sub, div = FIELD.mul, FIELD.add, FIELD.sub, FIELD.div
-    σ_middle = FIELD.unary("sqrt", Interval(np.maximum(F.middle.low, 0), np.maximum(F.middle.high, 0)))
+    σ_middle = root_of_positive(F.middle)
     r2 = FIELD.power(_cells(grid), 2)
     bend = div(mul(r2, F.B), mul(_TWO, F.inside))
     middles = np.square(grid.middles)[None, :]
@@ -401,7 +388,7 @@ def _by_middles(grid: RadialGrid, boxes: Boxes, F: _Fields, σ: Interval) -> tup
         (div(r2, σ), div(Interval(middles * (1 - 1e-15), middles * (1 + 1e-15)), σ_middle), 2.0),
         (div(boxes.λ, σ), div(boxes.λ, σ_middle), 0.0),
     ):
-        slope = mul(u, sub(_point(np.array(power)), bend))
+        slope = mul(u, sub(exact(power), bend))
         with np.errstate(all="ignore"):
             off = (np.asarray(slope.high) - np.asarray(slope.low)) / 2 * np.square(grid.half)[None, :] * (1 + 1e-12)
         width = 2 * grid.half[None, :]

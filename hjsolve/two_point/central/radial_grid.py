@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, Float64, multiprecision
-from hjsolve.arithmetic.interval import Interval, Intervals
+from hjsolve.arithmetic.interval import Interval, Intervals, over_shape
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.sign_at_infinity import sign_before, sign_beyond
 from hjsolve.lowering import lower
@@ -19,6 +19,31 @@ _INNERMOST = 2.0**-20
 """Where the cells begin, in units of the lesser distance; within, bounds hold that are made of proved signs."""
 _MARGIN = 2.0**-10
 """How far a bound on an exponent is from the exponent itself, in units of it."""
+OUT = 1e-13
+"""Rounding of a sum of some thousand terms, in units of the sum of their sizes."""
+
+
+def root_of_positive(x: Interval) -> Interval:
+    """Enclose the roots of what is not negative of an interval.
+
+    Args:
+        x: a range; what of it is negative counts as 0.
+    """
+    root = FIELD.unary("sqrt", Interval(np.maximum(x.low, 0), np.maximum(x.high, 0)))
+    return Interval(np.maximum(root.low, 0), root.high)
+
+
+def summed(x: Interval) -> Interval:
+    """Enclose sums over cells; a sum that is not bounded has infinite ends.
+
+    Args:
+        x: the terms, shape (b, cells).
+    """
+    with np.errstate(all="ignore"):
+        ends = [np.sum(end, axis=1) for end in x]
+        sizes = [OUT * np.sum(np.abs(end), axis=1) for end in x]
+        low, high = ends[0] - sizes[0], ends[1] + sizes[1]
+    return Interval(np.where(np.isfinite(low), low, -np.inf), np.where(np.isfinite(high), high, np.inf))
 
 
 class Profile(NamedTuple):
@@ -93,7 +118,7 @@ class RadialPotential:
             low, high: their ends, shape (m,).
         """
         rows = self._tape.run(FIELD, [Interval(low, high)])
-        return Profile(*(Interval(np.broadcast_to(x.low, low.shape), np.broadcast_to(x.high, low.shape)) for x in rows))
+        return Profile(*(over_shape(row, low.shape) for row in rows))
 
     def at_centre(self, distance: float) -> CentralCell | None:
         """Bound V and r V′ between the centre and a distance; None where V is neither regular nor like −1/rᵃ, a < 2.

@@ -18,9 +18,10 @@ import sympy as sp
 
 from hjsolve.arithmetic.asymptotic_expansion import BITS
 from hjsolve.arithmetic.floats import EPS, multiprecision
+from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.sign_at_infinity import sign_before, sign_beyond
 from hjsolve.lowering import lower
-from hjsolve.two_point.one_freedom.travel_time import Line, Segment, Span, outward
+from hjsolve.two_point.one_freedom.travel_time import Line, Segment, outward
 
 HIGHEST = 1e300
 """Stands for infinity as an energy."""
@@ -28,7 +29,7 @@ _CELLS = 400
 _LESS = 2.0**20
 """The chord begins where V is so many times less."""
 _BELOW = 0.99
-UNKNOWN = Segment(Span(0.0, np.inf), Span(-np.inf, np.inf), turns=None, end=np.nan)
+UNKNOWN = Segment(Interval(0.0, np.inf), Interval(-np.inf, np.inf), turns=None, end=np.nan)
 
 
 def far_time(line: Line, start: float, sign: int, E: float) -> Segment:
@@ -40,13 +41,13 @@ def far_time(line: Line, start: float, sign: int, E: float) -> Segment:
         sign: 1 upwards, −1 downwards.
         E: the least energy.
     """
-    escaping = outward(line, start, sign, Span(E, HIGHEST), _CELLS)
+    escaping = outward(line, start, sign, Interval(E, HIGHEST), _CELLS)
     if escaping.turns is False:
         return escaping
     if line.formulas[4] != 0:  # the mass depends on the place
         return UNKNOWN
-    here = outward(line, start, sign, Span(E, E), _CELLS)
-    before = outward(line, start, sign, Span(E / _LESS, E / _LESS), _CELLS) if E > 0 else here
+    here = outward(line, start, sign, Interval(E, E), _CELLS)
+    before = outward(line, start, sign, Interval(E / _LESS, E / _LESS), _CELLS) if E > 0 else here
     if here.turns is not True or before.turns is not True:
         return UNKNOWN
     b, c, begin = here.end, before.end, start
@@ -65,12 +66,12 @@ def far_time(line: Line, start: float, sign: int, E: float) -> Segment:
             high = _across(line, start, c, sign, E) + 2 * μ * abs(end - c) / np.sqrt(E - Vc.high)
     if infinite and _signs(line, sign, b, _slope(line, sign)) > 0:
         V_min = _least(line, begin, b, sign)
-        near = outward(line, start, sign, Span(E * _BELOW, E * _BELOW), _CELLS)
+        near = outward(line, start, sign, Interval(E * _BELOW, E * _BELOW), _CELLS)
         if near.turns and abs(near.end) < abs(b) and _signs(line, sign, near.end, -_excess(line, begin, V_min)) > 0:
             # from a place a little before on the bound rises, so it holds at the turning point of E too
             top = line.value(near.end).high
             low = μ * abs(near.end - begin) / np.sqrt(max(top - V_min, EPS)) * (1 - 1e-9)
-    return Segment(Span(low, high * (1 + 1e-9)), Span(-np.inf, np.inf), turns=True, end=b)
+    return Segment(Interval(low, high * (1 + 1e-9)), Interval(-np.inf, np.inf), turns=True, end=b)
 
 
 def _curvature(line: Line) -> sp.Expr:

@@ -15,10 +15,11 @@ import numpy as np
 
 from hjsolve.algebra.time_limit import out_of_time
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.root_finding import interpolated_root
 from hjsolve.two_point.one_freedom.high_energies import HIGHEST, far_time
 from hjsolve.two_point.one_freedom.line_branches import LineBranch
-from hjsolve.two_point.one_freedom.travel_time import Line, Segment, Span, across, outward
+from hjsolve.two_point.one_freedom.travel_time import Line, Segment, across, outward
 
 _COARSE, _FINE, _FINEST = 96, 384, 1536
 _SMALLEST = 2.0**-22
@@ -98,7 +99,7 @@ class TravelTimes:
         """
         key = (*s, count)
         if key not in self._known:
-            E = Span(self.energy(s[0]), self.energy(s[1]) * (1 + 2 * EPS) if s[1] > s[0] else self.energy(s[0]))
+            E = Interval(self.energy(s[0]), self.energy(s[1]) * (1 + 2 * EPS) if s[1] > s[0] else self.energy(s[0]))
             self._known[key] = (
                 across(self.line, self.low, self.high, E, count),
                 outward(self.line, self.high, 1, E, count),
@@ -114,13 +115,13 @@ class TravelTimes:
         """
         E = self.energy(s)
         return (
-            across(self.line, self.low, self.high, Span(E, HIGHEST), _FINE),
+            across(self.line, self.low, self.high, Interval(E, HIGHEST), _FINE),
             far_time(self.line, self.high, 1, E),
             far_time(self.line, self.low, -1, E),
         )
 
 
-def total(branch: LineBranch, parts: tuple[Segment, Segment, Segment]) -> tuple[Span, Span, bool | None]:
+def total(branch: LineBranch, parts: tuple[Segment, Segment, Segment]) -> tuple[Interval, Interval, bool | None]:
     """Return time and slope of a branch; and whether it exists: for all of the energies, none of them, or undecided.
 
     Args:
@@ -137,7 +138,7 @@ def total(branch: LineBranch, parts: tuple[Segment, Segment, Segment]) -> tuple[
             there = False if part.turns is False or there is False else None
         low, high = low + n * part.time.low, high + n * part.time.high
         slope_low, slope_high = slope_low + n * part.slope.low, slope_high + n * part.slope.high
-    return Span(low, high), Span(slope_low, slope_high), there
+    return Interval(low, high), Interval(slope_low, slope_high), there
 
 
 def isolate(times: TravelTimes, branch: LineBranch, T: float, scale: float, proof: EnergyProof) -> None:

@@ -20,7 +20,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.asymptotic_expansion import BITS
 from hjsolve.arithmetic.floats import EPS, Float64, multiprecision
-from hjsolve.arithmetic.interval import Interval, Intervals
+from hjsolve.arithmetic.interval import Interval, Intervals, exact, over_shape
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.arithmetic.sign_at_infinity import sign_before
 from hjsolve.lowering import lower
@@ -30,13 +30,6 @@ _OUT = 1 + 64 * EPS
 _FIELD = Intervals(Float64())
 _DEEP = 6.0
 """How many times the width of an interval of energies E − V is where the part next to the turning point begins."""
-
-
-class Span(NamedTuple):
-    """An enclosure of a number: low ≤ x ≤ high."""
-
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -50,8 +43,8 @@ class Segment:
         end: a place beyond the turning points, where there are.
     """
 
-    time: Span
-    slope: Span
+    time: Interval
+    slope: Interval
     turns: bool | None
     end: float
 
@@ -123,16 +116,15 @@ class Line:
         """
         cell = Interval(low, high) if sign > 0 else Interval(-high, -low)
         rows = self._tape.run(_FIELD, [cell])
-        shape = low.shape
-        found = [Interval(np.broadcast_to(r.low, shape), np.broadcast_to(r.high, shape)) for r in rows]
+        found = [over_shape(row, low.shape) for row in rows]
         if sign < 0:
-            found = [Interval(-f.high, -f.low) if k in (1, 4, 5) else f for k, f in enumerate(found)]
+            found = [_FIELD.unary("neg", f) if k in (1, 4, 5) else f for k, f in enumerate(found)]
         return found
 
-    def value(self, q: float) -> Span:
+    def value(self, q: float) -> Interval:
         """Enclose V at a place."""
         V = self.over(np.array([q]), np.array([q]), 1)[0]
-        return Span(float(V.low[0]), float(V.high[0]))
+        return Interval(float(V.low[0]), float(V.high[0]))
 
 
 class _Cells(NamedTuple):
@@ -158,7 +150,7 @@ class _Cells(NamedTuple):
     """the size of V′, where it has a sign"""
 
 
-def _cells(line: Line, grid: Reals, energies: Span, sign: int) -> _Cells:
+def _cells(line: Line, grid: Reals, energies: Interval, sign: int) -> _Cells:
     a, b = grid[:-1], grid[1:]
     V, V1, V2, μ, μ1, _ = line.over(a, b, sign)
     at = line.over(grid, grid, sign)[0]
@@ -201,7 +193,7 @@ def _cells(line: Line, grid: Reals, energies: Span, sign: int) -> _Cells:
     return _Cells(V, rising, falling, both[0] / _OUT, both[1] * _OUT, surely, bracket, μ, steep, left, slope)
 
 
-def across(line: Line, low: float, high: float, energies: Span, count: int) -> Segment:
+def across(line: Line, low: float, high: float, energies: Interval, count: int) -> Segment:
     """Enclose the time between two places without a turning point.
 
     Args:
@@ -211,14 +203,14 @@ def across(line: Line, low: float, high: float, energies: Span, count: int) -> S
         count: of cells.
     """
     if low == high:
-        return Segment(Span(0.0, 0.0), Span(0.0, 0.0), turns=False, end=high)
+        return Segment(Interval(0.0, 0.0), Interval(0.0, 0.0), turns=False, end=high)
     c = _cells(line, _grid(low, high, count), energies, 1)
-    time = Span(float(np.sum(c.low)) / _OUT, float(np.sum(c.high)) * _OUT)
-    slope = Span(-float(np.sum(c.steep.high)) / 2 * _OUT, -float(np.sum(c.steep.low)) / 2 / _OUT)
+    time = Interval(float(np.sum(c.low)) / _OUT, float(np.sum(c.high)) * _OUT)
+    slope = Interval(-float(np.sum(c.steep.high)) / 2 * _OUT, -float(np.sum(c.steep.low)) / 2 / _OUT)
     return Segment(time, slope, turns=False, end=high)
 
 
-def outward(line: Line, start: float, sign: int, energies: Span, count: int) -> Segment:
+def outward(line: Line, start: float, sign: int, energies: Interval, count: int) -> Segment:
     """Enclose the time from a place to the turning point beyond it.
 
     Args:
@@ -252,28 +244,28 @@ def outward(line: Line, start: float, sign: int, energies: Span, count: int) -> 
         and energies.low - c.nodes.high[first] < _DEEP * (energies.high - energies.low)
     ):
         first -= 1
-    before = Span(float(np.sum(c.low[:first])) / _OUT, float(np.sum(c.high[:first])) * _OUT)
+    before = Interval(float(np.sum(c.low[:first])) / _OUT, float(np.sum(c.high[:first])) * _OUT)
     if not decided:
         return _undecided(line, begin, sign, energies, limit, count)
     around, μ = _turning(c, first, last, energies), c.weight
-    time = Span(
+    time = Interval(
         before.low + around.low * float(np.min(μ.low[first : last + 1])) / _OUT,
         before.high + around.high * float(np.max(μ.high[first : last + 1])) * _OUT,
     )
     return Segment(time, _slope(c, first, last, energies), turns=True, end=grid[last + 1] * sign)
 
 
-def _turning(c: _Cells, first: int, last: int, energies: Span) -> Span:
+def _turning(c: _Cells, first: int, last: int, energies: Interval) -> Interval:
     """∫ dq/√y over the cells in which V may reach E: 2√y at their beginning over V′, as the differences telescope."""
     zone = slice(first, last + 1)
     low = np.sqrt(max(energies.low - float(c.nodes.high[first]), 0.0))
     high = np.sqrt(max(energies.high - float(c.nodes.low[first]), 0.0))
-    return Span(
+    return Interval(
         2 * low / float(np.max(c.gradient.high[zone])) / _OUT, 2 * high / float(np.min(c.gradient.low[zone])) * _OUT
     )
 
 
-def _slope(c: _Cells, first: int, last: int, energies: Span) -> Span:
+def _slope(c: _Cells, first: int, last: int, energies: Interval) -> Interval:
     """dtime/dE: the first rising cells before ``first`` are taken to the part beyond c."""
     k = first
     while k > 0 and c.rising[k - 1]:
@@ -283,14 +275,16 @@ def _slope(c: _Cells, first: int, last: int, energies: Span) -> Span:
     while k < first and c.nodes.high[k] < (bottom + 2 * top) / 3 and k + 1 <= first:
         k += 1
     Vc = Interval(c.nodes.low[k], c.nodes.high[k])
-    gap = Span(energies.low - float(Vc.high), energies.high - float(Vc.low))
+    gap = Interval(energies.low - float(Vc.high), energies.high - float(Vc.low))
     if gap.low <= 0 or not np.all(c.surely[:k]):
-        return Span(-np.inf, np.inf)
+        return Interval(-np.inf, np.inf)
     part, split = slice(k, last + 1), first - k
     V = Interval(np.minimum(c.V.low[part], energies.high), np.minimum(c.V.high[part], energies.high))
     rise = Interval(np.maximum(V.low - Vc.high, 0), np.maximum(V.high - Vc.low, 0))
     bracket = Interval(c.bracket.low[part], c.bracket.high[part])
-    inner = _FIELD.add(_FIELD.mul(rise, bracket), _FIELD.div(Interval(c.weight.low[part], c.weight.high[part]), _two()))
+    inner = _FIELD.add(
+        _FIELD.mul(rise, bracket), _FIELD.div(Interval(c.weight.low[part], c.weight.high[part]), exact(2.0))
+    )
     # ∫ dq/√y of a cell: that of μ/√y over μ
     with np.errstate(all="ignore"):
         plain = Interval(c.low[part] / c.weight.high[part], c.high[part] / c.weight.low[part])
@@ -302,21 +296,17 @@ def _slope(c: _Cells, first: int, last: int, energies: Span) -> Span:
     low, high = (low / (gap.high if low > 0 else gap.low)), (high / (gap.low if high > 0 else gap.high))
     size = 64 * EPS * (abs(low) + abs(high))
     before = c.steep
-    return Span(
+    return Interval(
         low - size - float(np.sum(before.high[:k])) / 2 * _OUT, high + size - float(np.sum(before.low[:k])) / 2 / _OUT
     )
 
 
-def _two() -> Interval:
-    return Interval(np.array(2.0), np.array(2.0))
-
-
-def _undecided(line: Line, begin: float, sign: int, energies: Span, limit: float, count: int) -> Segment:
+def _undecided(line: Line, begin: float, sign: int, energies: Interval, limit: float, count: int) -> Segment:
     """Bound the time from below, to the cells before a place that may or may not be the turning point."""
     return replace(_unturned(line, begin, sign, energies, limit, count), turns=None)
 
 
-def _unturned(line: Line, begin: float, sign: int, energies: Span, limit: float, count: int) -> Segment:
+def _unturned(line: Line, begin: float, sign: int, energies: Interval, limit: float, count: int) -> Segment:
     """Where no turning point was seen: proved for all energies, or undecided with a lower bound on the time."""
     far = limit if np.isfinite(limit) else begin + max(1.0, abs(begin)) * 2.0**40
     tops = line.tops(begin, far, sign, ended=bool(np.isfinite(limit) and not line.turn))
@@ -332,8 +322,8 @@ def _unturned(line: Line, begin: float, sign: int, energies: Span, limit: float,
         free = line.inside_to_end(sign, grid[k] * sign, energies.low)
     missing = np.flatnonzero(~c.surely)
     reach = int(missing[0]) if len(missing) else len(c.surely)
-    time = Span(float(np.sum(c.low[:reach])) / _OUT, np.inf)
-    return Segment(time, Span(-np.inf, np.inf), turns=False if free else None, end=limit * sign)
+    time = Interval(float(np.sum(c.low[:reach])) / _OUT, np.inf)
+    return Segment(time, Interval(-np.inf, np.inf), turns=False if free else None, end=limit * sign)
 
 
 def _first_above(line: Line, begin: float, sign: int, E: float, limit: float) -> tuple[float, float] | None:

@@ -66,6 +66,7 @@ def nearest_points(points: Reals, wanted: Reals, wells: Reals, here: Reals, foun
         left, right = low - 1, low
         while True:
             j = _next(points, wanted[0, i], left, right)
+            # points are met in the order of their first distances: once that alone exceeds the last one kept, all do
             if j < 0 or (points[0, j] - wanted[0, i]) ** 2 >= squares[last, i]:
                 break
             left, right = min(left, j - 1), max(right, j + 1)
@@ -90,6 +91,7 @@ def solve(matrix: Reals, right: Reals) -> None:
     """
     n = right.shape[0]
     for c in range(n):
+        # the largest pivot: ∂θ/∂φ of coupled phases, which is solved here, too, is not symmetric
         pivot = c
         for r in range(c + 1, n):
             if abs(matrix[r, c]) > abs(matrix[pivot, c]):
@@ -117,6 +119,7 @@ def _placed(points: Reals, wanted: Reals, j: int, i: int, size: float, row: Real
     for d in range(points.shape[0]):
         row[1 + d] = (wanted[d, i] - points[d, j]) / size
         square += row[1 + d] * row[1 + d]
+    # w = d⁻⁴: Σ (λᵢ dᵢ²)² is least, so that far points have small weights; 1e-12 stands for a point that is met
     return 1.0 / (square * square + 1e-12)
 
 
@@ -140,11 +143,13 @@ def _weights(points: Reals, wanted: Reals, near: Integers, i: int, matrix: Reals
         right[a] = 1.0 if a == 0 else 0.0
         for b in range(dimensions + 1):
             matrix[a, b] = 0.0
+    # least Σ λᵢ²/wᵢ with Σ λᵢ = 1, Σ λᵢ dᵢ = 0: λᵢ = wᵢ (1, dᵢ)·μ and Σ wᵢ (1, dᵢ)(1, dᵢ)ᵀ μ = (1, 0) (Lagrange)
     for k in range(count):
         counts = _placed(points, wanted, near[k, i], i, size, row)
         for a in range(dimensions + 1):
             for b in range(dimensions + 1):
                 matrix[a, b] += counts * row[a] * row[b]
+    # where all points lie at the place in one dimension its row is rounding: it gives way to μ = 0 there
     for a in range(1, dimensions + 1):
         matrix[a, a] += _FLAT * matrix[0, 0]
     solve(matrix, right)
@@ -158,6 +163,7 @@ def _weights(points: Reals, wanted: Reals, near: Integers, i: int, matrix: Reals
         for d in range(dimensions):
             left[d] += λ * row[1 + d] * size
         weights[k], total, sizes = λ, total + λ, sizes + abs(λ)
+    # Σ λᵢ is 1 but for rounding, which is divided out: a constant comes back as it is
     for k in range(count):
         weights[k] /= total
     for d in range(dimensions):

@@ -61,6 +61,7 @@ def _steps(program: MachineProgram, at: int, span: tuple[int, int], half: int, p
         x, t = registers[part, at : at + n], registers[2 + part, at : at + n]
         X, Y = steps[part, start:], steps[2 + part, start:]
         T, U = steps[4 + part, start:], steps[6 + part, start:]
+        # b is real: the imaginary part of a place is that of the path alone
         origin = b if part == 0 else 0.0
         for j in range(n):
             x[j] = origin + s * (A * X[j] + B * Y[j])
@@ -149,6 +150,7 @@ def path_means(below: MachineProgram, above: MachineProgram, table: PathTable, p
     """
     n, count, split = paths.wide.shape[0], table.steps.shape[1], table.below[0]
     counts = (split, count - split)
+    # the steps of several short paths fill one run of the programs: a run has a price of its own
     most = max(1, SLOTS // max(counts[0], counts[1]))
     for first in range(0, n, most):
         here = min(most, n - first)
@@ -156,6 +158,7 @@ def path_means(below: MachineProgram, above: MachineProgram, table: PathTable, p
             _steps(below, t * counts[0], (0, split), 0, paths, first + t, table.steps, bounds)
             if counts[1] > 0:
                 _steps(above, t * counts[1], (split, count), 1, paths, first + t, table.steps, bounds)
+        # lanes come in eights; what the last ones hold is not looked at
         run(below, (here * counts[0] + 7) // 8 * 8)
         if counts[1] > 0:
             run(above, (here * counts[1] + 7) // 8 * 8)

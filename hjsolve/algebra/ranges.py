@@ -1,39 +1,44 @@
-"""What a function can be over an interval, rounded outward: the arithmetic under ``Estimate``.
+"""What a function can be over an interval, rounded outward: what ``Estimate`` and ``algebra.intervals`` rest on.
 
 Every function takes c, mpmath's context, in whose precision ends are rounded, and intervals x, y. An interval is a pair
-(low, high) of mpmath's numbers, each exactly what it is. The four operations are those of mpmath's intervals, as in
-``algebra.intervals``; they and the root are rounded in the direction asked. Every other function is widened by 2⁶ units
-in the last place of the working precision, far more than mpmath's own rounding. Its value at the one place where it is
-exact (e⁰, ln 1, …) is left alone; at every other fraction it is irrational, so that a short result there would be a
-rounded one.
+(low, high) of mpmath's numbers, each exactly what it is. The four operations, whole powers and the root are those of
+mpmath's intervals: they are rounded in the direction asked. Its other functions are computed with 14 or 20 bits to
+spare and then rounded, so that an end next to a number of the precision may fall on its wrong side (that of e^x does
+at every ten thousandth place). So every other function is widened here by 2⁶ units in the last place of the working
+precision, far more than mpmath's own rounding. Its value at the one place where it is exact (e⁰, ln 1, …) is left
+alone; at every other fraction it is irrational, so that a short result there would be a rounded one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache
 from math import inf
 from typing import TypeAlias
 
+import mpmath
 from mpmath import libmp
+from mpmath.ctx_mp import MPContext as Context
 
-from hjsolve.arithmetic import function_rules
-from hjsolve.arithmetic.floats import CIRCULAR, FARTHEST, by_squaring
-from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.errors import InvalidInputError
 
-Range: TypeAlias = tuple[Mpf, Mpf]
+Range: TypeAlias = tuple[mpmath.mpf, mpmath.mpf]
 """Lower and upper end."""
 Parts: TypeAlias = tuple[int, int, int, int]
 """Sign, mantissa, exponent and bits: what libmp computes with."""
 Function: TypeAlias = Callable[[Context, Range], Range]
 """(mpmath's context, interval) → interval."""
 
-_WIDER = 6
-_RISING = {name: ends for name, ends in function_rules.RISING.items() if name != "sqrt"} | {
-    "expm1": (-inf, inf), "cbrt": (-inf, inf), "log2": (0.0, inf), "log10": (0.0, inf), "log1p": (-1.0, inf),
+FARTHEST = 1024
+"""Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
+CIRCULAR = ("sin", "cos", "tan")
+RISING: dict[str, tuple[float, float]] = {
+    **dict.fromkeys(("exp", "expm1", "sinh", "tanh", "asinh", "atan", "cbrt"), (-inf, inf)),
+    **dict.fromkeys(("sqrt", "log", "log2", "log10"), (0.0, inf)), "log1p": (-1.0, inf),
+    **dict.fromkeys(("asin", "atanh"), (-1.0, 1.0)), "acosh": (1.0, inf),
 }  # fmt: skip
-"""Rising functions but the root, which is rounded as directed: the ends of where they are real."""
+"""Functions that rise wherever they are real, and where that is: their range over an interval is that of its ends."""
+_WIDER = 6
 _EXACT_AT_ONE = frozenset({"acosh", "log", "log2", "log10"})
 """Those that are exact at 1; the others are at 0."""
 _POLES = {"log": (0,), "log2": (0,), "log10": (0,), "log1p": (-1,), "atanh": (-1, 1)}
@@ -101,11 +106,7 @@ def power(c: Context, x: Range, y: Range) -> Range:
 def _whole_power(c: Context, x: Range, n: int) -> Range:
     if n < 0:
         return divide(c, (c.one, c.one), _whole_power(c, x, -n))
-    if n == 0:
-        return c.one, c.one
-    ends = [by_squaring(partial(multiply, c), (end, end), n) for end in x]
-    inside = n % 2 == 0 and x[0] < 0 < x[1]
-    return (c.zero if inside else min(low for low, _ in ends)), max(high for _, high in ends)
+    return _by_mpmath(lambda ends, bits: libmp.mpi_pow_int(ends, n, bits), c, x)
 
 
 def absolute(c: Context, x: Range) -> Range:
@@ -114,7 +115,7 @@ def absolute(c: Context, x: Range) -> Range:
     return (c.zero if x[0] < 0 < x[1] else size[0]), size[1]
 
 
-def abs_exact(c: Context, x: Mpf) -> Mpf:
+def abs_exact(c: Context, x: mpmath.mpf) -> mpmath.mpf:
     """Return |x| with every digit of x, whatever the precision.
 
     Args:
@@ -145,10 +146,10 @@ def apply(c: Context, name: str, x: Range) -> Range:
     Raises:
         InvalidInputError: the function is not real there, has no bound, or its argument is beyond reach.
     """
-    if name in _RISING:
-        low, high, exact = *_inside(c, name, x, *_RISING[name]), int(name in _EXACT_AT_ONE)
-        return _wide(c, name, low, exact)[0], _wide(c, name, high, exact)[1]
-    return _OTHERS[name](c, x)
+    if name in _OTHERS:
+        return _OTHERS[name](c, x)
+    low, high, exact = *_inside(c, name, x, *RISING[name]), int(name in _EXACT_AT_ONE)
+    return _wide(c, name, low, exact)[0], _wide(c, name, high, exact)[1]
 
 
 def _inside(c: Context, name: str, x: Range, left: float, right: float) -> Range:
@@ -161,16 +162,23 @@ def _inside(c: Context, name: str, x: Range, left: float, right: float) -> Range
     return low, high
 
 
-def _wide(c: Context, name: str, x: Mpf, exact: int | None) -> Range:
+def _wide(c: Context, name: str, x: mpmath.mpf, exact: int | None) -> Range:
     """Return the value at one number, widened unless it is exact there."""
     value = _value(c, name, x)
     if exact is not None and x == exact:
         return value, value
-    margin = c.ldexp(abs(value), _WIDER - c.prec)
-    return c.fsub(value, margin, rounding="f"), c.fadd(value, margin, rounding="c")
+    return _apart(c, value)
 
 
-def _value(c: Context, name: str, x: Mpf) -> Mpf:
+def _apart(c: Context, value: mpmath.mpf) -> Range:
+    """Return a number less and more the widening, rounded outward."""
+    number, bits = value._mpf_, c.prec
+    margin = libmp.mpf_shift(libmp.mpf_abs(number), _WIDER - bits)
+    low, high = libmp.mpf_sub(number, margin, bits, "f"), libmp.mpf_add(number, margin, bits, "c")
+    return c.make_mpf(low), c.make_mpf(high)
+
+
+def _value(c: Context, name: str, x: mpmath.mpf) -> mpmath.mpf:
     if name in CIRCULAR or name in {"exp", "expm1", "sinh", "cosh", "tanh"}:
         farthest = (16 if name in CIRCULAR else 1) * FARTHEST
         if c.mag(x) > farthest:
@@ -203,21 +211,20 @@ def _wave(c: Context, name: str, x: Range) -> Range:
     )
 
 
-def _meets(c: Context, low: Mpf, high: Mpf, offset: int) -> bool:
+def _meets(c: Context, low: mpmath.mpf, high: mpmath.mpf, offset: int) -> bool:
     """Return whether a number offset + 4k may lie between two numbers, each good to the context's precision."""
     first, last = (low - offset) / 4, (high - offset) / 4
     return bool(c.ceil(first - 8 * c.eps * (1 + abs(low))) <= last + 8 * c.eps * (1 + abs(high)))
 
 
+@lru_cache(maxsize=256)
 def quarter_turn(c: Context) -> Range:
     """Return π/2, rounded outward.
 
     Args:
         c: mpmath's context.
     """
-    half = c.pi / 2
-    margin = c.ldexp(abs(half), _WIDER - c.prec)
-    return c.fsub(half, margin, rounding="f"), c.fadd(half, margin, rounding="c")
+    return _apart(c, c.pi / 2)
 
 
 def _tangent(c: Context, x: Range) -> Range:
@@ -251,7 +258,7 @@ _OTHERS: dict[str, Function] = {
     "degrees": lambda c, x: divide(c, multiply(c, x, (c.mpf(90), c.mpf(90))), quarter_turn(c)),
     "radians": lambda c, x: divide(c, multiply(c, x, quarter_turn(c)), (c.mpf(90), c.mpf(90))),
 }
-FUNCTIONS = frozenset({*_RISING, *_OTHERS})
+FUNCTIONS = frozenset({*RISING, *_OTHERS})
 """Functions of one variable."""
 
 
