@@ -2,6 +2,7 @@
 
 Which of them is monotone depends on the domain: on a turn of an angle, or of a line on which P² is periodic, the half
 about a place; on a part of a turn the one that is monotone there; between poles at cos κq = 0 the sine.
+Along an angle a + b cos nq + c sin nq has n equal wells, and the half sine about each of them (DLMF 22.19(i)).
 """
 
 from __future__ import annotations
