@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import sympy as sp
 
-from hjsolve.closed_form.tidy import elliptic, longer_than, operations
+from hjsolve.closed_form.tidy import elliptic, factored, longer_than, operations
 
 LONGEST, LONGEST_PART = 80, 40
 """Operations of a sum or a quotient, and of a part of a sum, that is factored: longer ones may take sympy seconds."""
@@ -39,7 +39,7 @@ def _power(power: sp.Pow) -> sp.Expr:
     if longer_than(power.base, LONGEST) or elliptic(power.base):  # K − E is written so that nothing cancels
         return power
     # E L² k⁻² m⁻¹ + ½ under a root is written (2 E L² + k² m)/…: read off at once whether it is positive
-    base = _shortest(power.base, grouped(power.base), _in_groups(sp.factor(power.base)))
+    base = _shortest(power.base, grouped(power.base), _in_groups(factored(power.base)))
     content, rest = base.as_coeff_Mul()
     if base is power.base or content < 0:
         return power
@@ -97,7 +97,7 @@ def _bracket(part: sp.Expr) -> sp.Expr:
     """Return a sum as a product, where that is much shorter or its factors are sums; a minus sign moves inside."""
     if longer_than(part, LONGEST_PART):
         return part
-    made = sp.factor(part)
+    made = factored(part)
     sums = [f for f in sp.Mul.make_args(made) if f.as_base_exp()[0].is_Add and f.as_base_exp()[1].is_Integer]
     saved = operations(part) - operations(made)
     if saved < 1 or not sums or not (saved >= _SAVED or len(sums) > 1 or sums[0].is_Pow):

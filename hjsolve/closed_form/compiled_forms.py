@@ -14,7 +14,7 @@ from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import CurveForArrays, FormulasForArrays, RootsOfPolynomial, Solved, roots_of
 from hjsolve.closed_form.evaluation import magnitude
-from hjsolve.closed_form.lost_digits import FormInTwoDoubles
+from hjsolve.closed_form.lost_digits import FormInTwoDoubles, lost, lost_in_two_doubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import curves_held, root_values
@@ -29,6 +29,8 @@ _SPECIAL = 1e-12
 """Of the terms, how far a constant may be off its special value: both are doubles. E = 0 is 0, in any unit."""
 _DIGITS_BEYOND_DOUBLES = 50, 120, 480
 """Of what is next to a border or not finite in doubles, nor in fewer digits: roots of a small E may be 1e90 apart."""
+_SAME = 2.0**-58
+"""Of themselves, how far numbers in fewer and in more digits are apart that round to the same double, or next to it."""
 _BLOCK = 16384
 """Elements worked on together: coefficients and roots of so many polynomials stay in the processor's cache."""
 _Compiled = Callable[..., Any]
@@ -340,15 +342,24 @@ class CompiledForm:
     def _where_digits_are_lost(
         self, result: Reals, certain: Mask, table: Mapping[sp.Symbol, Reals], solved: Solved
     ) -> None:  # fmt: skip
-        """Work out again, in two doubles, what doubles lose; what is not certain has been in many digits."""
+        """Work out again what doubles lose, in two doubles, and in many digits where these lose it as well.
+
+        What is not certain has been in many digits.
+        """
         import numpy as np
 
         if self.in_two_doubles is None:
             return
-        kept = np.flatnonzero(certain & self.in_two_doubles.lost(table, result, solved))
-        if len(kept):
-            again = self.in_two_doubles.again({s: a[kept] for s, a in table.items()}, (len(kept),), Solved())
-            result[kept] = np.where(np.isfinite(again), again, result[kept])
+        error = self.in_two_doubles.error(table, result.shape, solved)
+        kept = np.flatnonzero(certain & lost(result, error))
+        if not len(kept):
+            return
+        some = {s: a[kept] for s, a in table.items()}
+        again = self.in_two_doubles.again(some, (len(kept),), Solved())
+        result[kept] = np.where(np.isfinite(again), again, result[kept])
+        for k in kept[lost_in_two_doubles(again, error[kept])]:
+            value = self._in_digits_enough([float(table[s][k]) for s in self.symbols])
+            result[k] = result[k] if np.isnan(value) else value
 
     def _not_finite(self, result: Reals, good: Mask, places: Sequence[Reals]) -> None:
         """Work out again what is not finite: cosh 800 in doubles, or √(1 − x²) where rounding left x above 1."""
@@ -359,9 +370,20 @@ class CompiledForm:
             result[k] = result[k] if np.isnan(value) else value
 
     def _in_digits_enough(self, numbers: Sequence[float]) -> float:
-        """Return one element in many digits; nan where it is of another regime, or not real, or in no digits finite."""
+        """Return one element in so many digits that more make no difference.
+
+        Returns:
+            A double; nan where the element is of another regime, or not real, or in no digits finite.
+        """
         given = dict(zip(self.symbols, map(mp.mpf, numbers), strict=True))
-        value = next((v for d in _DIGITS_BEYOND_DOUBLES if mp.isfinite(v := self._at_digits(given, d))), None)
+        value: Mpf | None = None
+        for digits in _DIGITS_BEYOND_DOUBLES:
+            before, found = value, self._at_digits(given, digits)
+            if mp.isfinite(found):
+                value = found
+                # as far as they agree, both have the digits: of E = −1e−72 none of 50 may be left
+                if before is not None and abs(value - before) <= _SAME * abs(value):
+                    break
         return float(value) if value is not None and mp.im(value) == 0 else math.nan
 
     def _at_digits(self, given: Mapping[sp.Symbol, Mpf], digits: int) -> Mpf:

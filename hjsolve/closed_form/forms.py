@@ -163,7 +163,11 @@ class RegimeForms(Shown):
         return functions(self, module)
 
     def code(self, language: str = "python") -> str:
-        """Source text of one function for each form.
+        """Source text of one function for each form, in doubles.
+
+        Next to separatrices, in small motions, next to turning points and where constants are of very different sizes
+        the functions lose digits without a sign, as the head of the text says. ``evaluate`` and ``lambdify`` do not:
+        they see what doubles lose, and work it out in more digits.
 
         Args:
             language: "python" or "c".

@@ -17,6 +17,11 @@ from hjsolve.functions.c_code import c_source, in_c
 from hjsolve.functions.printing import DOUBLES, Printable
 from hjsolve.functions.tables import LEGENDRE
 
+_DOUBLES_ALONE = (
+    "The functions compute in doubles: next to separatrices, in small motions, next to turning points and where",
+    "constants are of very different sizes they lose digits without a sign; evaluate() and lambdify() do not.",
+)
+"""What whoever has the text alone should know."""
 Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 
 
@@ -43,8 +48,9 @@ def source(form: NamedForms, language: str) -> str:
         raise InvalidInputError(f'code: {language!r} is not known; write "python" or "c"')
     mark = "#" if language == "python" else "//"
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
+    head += [f"{mark} {line}" for line in _DOUBLES_ALONE]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
-    # the same arrangement as for arrays: what is printed loses no digits that lambdify keeps
+    # the arrangement for arrays: with it doubles lose fewer digits, and there is nothing else here
     arrange = ForDoubles.of(form)
     named = {name: arrange.form(e) for name, e in form.named().items()}
     where = arrange.definitions(s for e in named.values() for s in e.free_symbols)

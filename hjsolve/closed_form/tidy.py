@@ -28,6 +28,11 @@ LONGEST = 150
 """Operations above which a form with elliptic integrals is left as it is."""
 _FACTORED = 80
 """Operations up to which the coefficient of an integral is factored."""
+_MANY_TERMS = 5
+"""Terms of a sum from which on it is looked at before sympy seeks its factors."""
+_LINE = ((2, 43), (3, 41), (5, 61), (7, 59), (11, 73), (13, 67), (17, 53), (19, 79), (23, 47), (29, 83), (31, 71),
+         (37, 89))  # fmt: skip
+"""Slope and start of each letter on a line through their space: primes, so that no few of them add up to others."""
 
 
 def elliptic(expression: sp.Expr) -> bool:
@@ -160,7 +165,39 @@ def linear_in(e: sp.Expr, wanted: Callable[[sp.Expr], bool]) -> dict[sp.Expr, sp
 def _factored(coefficient: sp.Expr) -> sp.Expr:
     if not coefficient.is_Add and not any(f.is_Add for f in coefficient.args):
         return shortened_powers(coefficient)
-    return shortened_powers(coefficient if longer_than(coefficient, _FACTORED) else sp.factor(coefficient))
+    return shortened_powers(coefficient if longer_than(coefficient, _FACTORED) else factored(coefficient))
+
+
+def factored(total: sp.Expr) -> sp.Expr:
+    """Return an expression in factors, like sympy, which seeks those of P = a r⁴ + … + c for 16 s though it has none.
+
+    Args:
+        total: of a form.
+    """
+    P = total.as_poly() if total.is_Add and len(total.args) >= _MANY_TERMS else None
+    if P is None or not all(g.is_Symbol for g in P.gens) or not _irreducible(P):
+        return sp.factor(total)
+    denominator, P = P.clear_denoms(convert=True)
+    content, P = P.primitive()
+    number, rest = content / denominator, P.as_expr()
+    if P.LC() < 0:
+        number, rest = -number, -rest
+    return number * rest if abs(number) == 1 else sp.Mul(number, rest, evaluate=False)
+
+
+def _irreducible(P: sp.Poly) -> bool:
+    """Return whether a polynomial is seen to have no factors: it has none on a line, and is of full degree there.
+
+    Factors of P are factors on every line; the converse holds on nearly all lines (Hilbert).
+    """
+    if len(P.gens) > len(_LINE) or not (P.domain.is_ZZ or P.domain.is_QQ):
+        return False
+    t = sp.Dummy("t")
+    line = [sp.Poly([slope, start], t) for slope, start in _LINE[: len(P.gens)]]
+    there = sp.Poly(0, t)
+    for powers, c in P.terms():
+        there += c * math.prod((x**n for x, n in zip(line, powers, strict=True)), start=sp.Poly(1, t))
+    return bool(there.degree() == P.total_degree() and there.is_irreducible)
 
 
 def in_factors(expression: sp.Expr) -> sp.Expr:

@@ -8,7 +8,7 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.common_factors import with_common_factors
-from hjsolve.closed_form.tidy import operations
+from hjsolve.closed_form.tidy import factored, operations
 
 a, b, c, E, p = sp.symbols("a b c E p", real=True)
 m, n = sp.symbols("m n", positive=True)
@@ -45,3 +45,27 @@ def test_a_block_on_a_wedge_is_printed_with_its_masses_in_factors():
     sums = {e.base for e in form.time_law.rhs.atoms(sp.Pow)}
     assert {m1 + m2, 2 * m1 + m2} <= sums
     assert sp.count_ops(form.time_law.rhs) < 60
+
+
+def test_a_radicand_without_factors_is_seen_on_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sympy sought factors of Kerr's radicand, with two of its coefficients named, for 16 s in some runs."""
+    r, E, M, a, p, P, alpha, c, d = sp.symbols("r E M a p_phi p_t alpha_2 c c_1", real=True)
+    radicand = r**4 * (2 * E + P**2) - 4 * E * M * r**3 + 4 * M * r * (a * p * P + alpha) + c + d * r**2
+
+    def refuse(_: sp.Expr) -> sp.Expr:
+        raise AssertionError("sympy was asked for factors")
+
+    with monkeypatch.context() as without:
+        without.setattr(sp, "factor", refuse)
+        made = factored(radicand)
+    assert made == sp.expand(radicand)
+
+
+@pytest.mark.parametrize("number", [1, -1, 6, sp.Rational(-4, 3)])
+def test_factors_are_those_of_sympy(number: sp.Expr) -> None:
+    a, b, c, d = sp.symbols("a b c d", real=True)
+    plain = [a + b + c + d + a * b, a**2 - b**2 + c**2 - d + 1, 2 * a * b + 2 * c * d - 4 * a - 6 * b + 8]
+    products = [(a + b) * (c + d + 1), (a - b * c) * (a + b - d), (a + b) ** 2 * (c - d)]
+    for total in (*plain, *map(sp.expand, products)):
+        wanted = sp.factor(number * total)
+        assert str(factored(sp.expand(number * total))) == str(wanted)

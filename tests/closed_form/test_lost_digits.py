@@ -74,3 +74,48 @@ def test_angles_of_points_in_all_quadrants() -> None:
             there = mpmath.atan2(mpmath.mpf(float(points[0].high[k])), mpmath.mpf(float(points[1].high[k])))
             value = mpmath.mpf(float(found.high[k])) + mpmath.mpf(float(found.low[k]))
             assert abs(value - there) <= 1e-28 * abs(there)
+
+
+@pytest.mark.parametrize("small", [1e-9, 1e-20])
+@pytest.mark.parametrize("letter", ["m", "E"])
+def test_a_sum_that_cancels_in_two_doubles_is_taken_in_digits_enough(letter: str, small: float) -> None:
+    """Of exp x − 1 − x − x²/2 a part of x³ is left: 1e-28 with few digits in two doubles, 1e-61 with none in 50 digits.
+
+    With E small the motion is next to a border of regimes, and two doubles are not asked.
+    """
+    form = _of_motion("morse", m=1.0, D=3.0, a=0.75, E=1.0)
+    x = next(s for s in form.regime.example if s.name == letter)
+    made = CompiledRegime(form, numpy=True).function(sp.exp(x) - 1 - x - x**2 / 2)
+    with mpmath.workdps(200):
+        X = mpmath.mpf(small)
+        there = mpmath.exp(X) - 1 - X - X**2 / 2
+    value = float(made(**{"E": 0.5, "D": 1.0, "m": 1.0, letter: small}))
+    np.testing.assert_allclose(value, float(there), rtol=_ULP, atol=0)
+
+
+@pytest.mark.nightly
+def test_an_orbit_next_to_escape_in_prolate_coordinates() -> None:
+    """With E = −1e−72 two doubles lose all digits of terms with 1/E; the right time is a quadrature in 60 digits."""
+    solution = hjsolve.solve("kepler-prolate")
+    numbers = {"m": 1.0, "a": 1.0, "k": 1.0, "E": -1e-72, "alpha_2": 2.82, "p_phi": -0.35, "phi": 0.0, "t_0": 0.0}
+    numbers |= {"xi_0": 2.6, "xi": 3.5, "eta_0": 1.1, "eta": 1.3}
+    form = next(f for f in closed_forms(solution, seconds=60.0) if not f.regime.special and "E < 0" in f.regime.words)
+    equations = {"time_law": solution.time_law, "orbit_equations.alpha_2": solution.orbit_equations["alpha_2"]}
+    for name, equation in equations.items():
+        made = CompiledRegime(form, numpy=True).function(form.named()[name])
+        value = float(made(**{n: numbers[n] for n in made.names if n in numbers}))
+        np.testing.assert_allclose(value, float(_quadrature(equation.rhs, numbers)), rtol=2 * _ULP, atol=0)
+
+
+def _quadrature(total: sp.Expr, numbers: dict[str, float]) -> mpmath.mpf:
+    with mpmath.workdps(60):
+        value = mpmath.mpf(0)
+        for integral in total.atoms(sp.Integral):
+            ((x, *ends),) = integral.limits
+            plain = integral.function.xreplace(
+                {s: sp.Rational(numbers[s.name]) for s in integral.function.free_symbols if s != x}
+            )
+            places = mpmath.linspace(*(mpmath.mpf(numbers[end.name]) for end in ends), 9)
+            part = mpmath.quad(sp.lambdify(x, plain, "mpmath"), places)
+            value += mpmath.mpf(int(sp.Poly(total, integral).coeff_monomial(integral))) * part
+        return value

@@ -104,3 +104,11 @@ def test_latex_of_every_form_is_balanced_and_names_the_functions(name: str) -> N
             assert depth == 0
             assert text.count(r"\left") == text.count(r"\right")
             assert not re.search(r"elliptic_|Carlson|Jacobi", text), text
+
+
+@pytest.mark.parametrize(("language", "mark"), [("python", "#"), ("c", "//")])
+def test_the_head_says_that_doubles_lose_digits(language: str, mark: str) -> None:
+    head = forms("pendulum")[0].code(language).split("\n\n")[0]
+    told = " ".join(line.removeprefix(mark).strip() for line in head.splitlines() if line.startswith(mark))
+    assert "compute in doubles: next to separatrices" in told
+    assert "lose digits without a sign; evaluate() and lambdify() do not" in told
