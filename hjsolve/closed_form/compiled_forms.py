@@ -17,7 +17,7 @@ from hjsolve.closed_form.evaluation import magnitude
 from hjsolve.closed_form.lost_digits import FormInTwoDoubles, lost, lost_in_two_doubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.numbers import curves_held, root_values
+from hjsolve.closed_form.numbers import angles_of_turns, begins_with, curves_held, root_values
 from hjsolve.closed_form.regions import RootInterval, holds_place, region_exists
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
@@ -50,7 +50,7 @@ def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Mpf | Re
     if module not in ("numpy", "mpmath"):
         raise InvalidInputError(f'lambdify: {module!r} is not known; write "numpy" or "mpmath"')
     regime = CompiledRegime(form, module == "numpy")
-    return {name: regime.function(expression) for name, expression in form.named().items()}
+    return {name: regime.function(expression, begins_with(form, name)) for name, expression in form.named().items()}
 
 
 class CompiledRegime:
@@ -86,13 +86,14 @@ class CompiledRegime:
         """The same for numbers of mpmath."""
         return CompiledRegime(self.form, numpy=False)
 
-    def function(self, expression: sp.Expr) -> Callable[..., Mpf | Reals | float]:
+    def function(self, expression: sp.Expr, begin: sp.Symbol | None) -> Callable[..., Mpf | Reals | float]:
         """Return a form as a function of keyword arguments; its attribute ``names`` are those that it needs.
 
         Args:
             expression: the form.
+            begin: the lower limit of the coordinate that it gives; None where it gives something else.
         """
-        compiled = CompiledForm(self, expression)
+        compiled = CompiledForm(self, expression, begin)
 
         def function(**given: object) -> Mpf | Reals | float:
             if self.numpy:
@@ -224,10 +225,11 @@ class CompiledForm:
     Args:
         regime: what it has in common with others.
         expression: the form.
+        begin: the lower limit from which whole turns of its values are counted.
     """
 
-    def __init__(self, regime: CompiledRegime, expression: sp.Expr):
-        self.regime, self.form, where = regime, regime.form, regime.form.where
+    def __init__(self, regime: CompiledRegime, expression: sp.Expr, begin: sp.Symbol | None = None):
+        self.regime, self.form, where, self.begin = regime, regime.form, regime.form.where, begin
         self.as_derived = expression
         if regime.arrange is not None:
             expression = regime.arrange.form(expression)
@@ -247,15 +249,15 @@ class CompiledForm:
         return curves_held(self.form, self.held)
 
     @cached_property
-    def turned(self) -> list[tuple[int, _Compiled]]:
-        """Positions of angles among the arguments, and the middles of the turns that their curves are of."""
-        middles = [
-            (self.symbols.index(symbol), curve.substitution.inverse.subs(curve.x, 0))
-            for curve, _, symbol in self.placed
-            if curve.substitution.closed and curve.coordinate.domain.kind == "angle"
-        ]
-        known = set(self.symbols)
-        return [(k, self.regime.compiled(self.symbols, e)) for k, e in middles if e.free_symbols <= known]
+    def turned(self) -> list[tuple[int, int, _Compiled]]:
+        """Positions of angles among the arguments, of those that count their turns, and the middles of these."""
+        known, found = set(self.symbols), list[tuple[int, int, _Compiled]]()
+        for curve, symbol, begin in angles_of_turns(self.form, self.held):
+            middle = curve.substitution.inverse.subs(curve.x, 0)
+            if middle.free_symbols <= known:
+                places = self.symbols.index(symbol), self.symbols.index(begin)
+                found.append((*places, self.regime.compiled(self.symbols, middle)))
+        return found
 
     @cached_property
     def where(self) -> dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]:
@@ -290,8 +292,9 @@ class CompiledForm:
     def one(self, numbers: Sequence[Mpf | float]) -> Mpf:
         """At one place; nan outside the regime."""
         numbers = [*map(mp.mpmathify, numbers)]
-        for k, middle in self.turned:
-            numbers[k] -= 2 * mp.pi * mp.nint((numbers[k] - middle(*numbers)) / (2 * mp.pi))
+        turns = {k: mp.nint((numbers[of] - middle(*numbers)) / (2 * mp.pi)) for k, of, middle in self.turned}
+        for k, count in turns.items():
+            numbers[k] -= 2 * mp.pi * count
         given = dict(zip(self.symbols, numbers, strict=True))
         if not self.regime.one_is_inside(given, self.placed):
             return mp.nan
@@ -299,7 +302,8 @@ class CompiledForm:
             exact = {s: sp.sympify(v) for s, v in given.items()}
             table = root_values(self.form, exact, mp.dps + 5, self.roots)
             numbers = [*numbers, *(table[s] for s in self.roots)]
-        return self.plain(*map(mp.mpmathify, numbers))
+        back = next((2 * mp.pi * count for k, count in turns.items() if self.symbols[k] == self.begin), 0)
+        return self.plain(*map(mp.mpmathify, numbers)) + back
 
     def arrays(self, given: Mapping[str, object]) -> Reals | float:
         """At arrays of doubles; nan outside the regime."""
@@ -309,14 +313,19 @@ class CompiledForm:
         places = np.broadcast_arrays(*listed) if listed else []
         shape = places[0].shape if places else ()
         flat = [np.ravel(a) for a in places]
-        for k, middle in self.turned:
-            with np.errstate(all="ignore"):
-                flat[k] = flat[k] - 2 * np.pi * np.rint((flat[k] - middle(*flat)) / (2 * np.pi))
+        with np.errstate(all="ignore"):
+            turns = {k: np.rint((flat[of] - middle(*flat)) / (2 * np.pi)) for k, of, middle in self.turned}
+        for k, count in turns.items():
+            flat[k] = flat[k] - 2 * np.pi * count
         blocks = [
             self._block([a[begin : begin + _BLOCK] for a in flat], min(_BLOCK, math.prod(shape) - begin))
             for begin in range(0, max(1, math.prod(shape)), _BLOCK)
         ]
-        return np.concatenate(blocks).reshape(shape)[()]
+        found = np.concatenate(blocks)
+        for k, count in turns.items():
+            if self.symbols[k] == self.begin:
+                found = found + 2 * np.pi * count
+        return found.reshape(shape)[()]
 
     def _block(self, places: Sequence[Reals], count: int) -> Reals:
         import numpy as np

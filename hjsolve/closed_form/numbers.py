@@ -32,6 +32,8 @@ _TIMES_THE_DIGITS = 1, 4, 16
 """Of a number that is infinite with fewer digits: those of roots that are 1e90 apart, where E is nearly 0."""
 _TIMES_THE_DIGITS_OF_ROOTS = 2, 4, 8, 16
 """Of roots written in radicals, until half of the digits that are asked stay the same: E of 1e-300 is of doubles."""
+_GIVE_A_PLACE = ("inverse", "orbit", "parametric", "anomaly")
+"""Groups of forms that give a coordinate."""
 _DIGITS_OF_EXAMPLE = 30
 """Of what is only put in order."""
 
@@ -52,8 +54,11 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     expression = wanted_form(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
-    exact |= angles_in_turn(form, exact)
+    turns = whole_turns(form, exact)
+    exact |= {symbol: exact[symbol] - 2 * sp.pi * count for symbol, count in turns.items()}
     refuse_places(form, exact)
+    if count := turns.get(begins_with(form, name), 0):
+        expression = expression + 2 * sp.pi * count
     for times in _TIMES_THE_DIGITS:
         # roots and constants to twice the digits: what differs between both evaluations is lost by the form alone
         working = 2 * times * (digits + _GUARD)
@@ -117,21 +122,49 @@ def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
         raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is outside this regime's motion{turn}")
 
 
-def angles_in_turn(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
-    """Return angles, and lower limits that are, less the whole turns that they are from the middle of their curve's.
+def whole_turns(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, int]:
+    """Return how many whole turns angles, and lower limits that are, lie from the turn of their curve.
 
     Args:
         form: of a regime.
         exact: symbol → exact value, of constants, coordinates and lower limits.
     """
-    found = dict[sp.Symbol, sp.Expr]()
-    for curve, _, symbol in curves_held(form, exact):
-        if curve.substitution.closed and curve.coordinate.domain.kind == "angle":
-            numbers = many_digits(exact, DIGITS)
-            with mp.workdps(DIGITS):
-                turns = int(mp.nint((numbers[symbol] - middle_of(curve, numbers)) / (2 * mp.pi)))
-            found[symbol] = exact[symbol] - 2 * sp.pi * turns
+    found = dict[sp.Symbol, int]()
+    for curve, symbol, begin in angles_of_turns(form, exact):
+        numbers = many_digits(exact, DIGITS)
+        with mp.workdps(DIGITS):
+            found[symbol] = int(mp.nint((numbers[begin] - middle_of(curve, numbers)) / (2 * mp.pi)))
     return found
+
+
+def angles_of_turns(
+    form: NamedForms, held: Iterable[sp.Symbol]
+) -> list[tuple[MomentumCurve, sp.Symbol, sp.Symbol]]:  # fmt: skip
+    """Return the curves of angles and lower limits among symbols, and the symbol that says in which turn each is.
+
+    A libration is in one well, whatever turns are counted; a rotation is counted from its lower limit.
+
+    Args:
+        form: of a regime.
+        held: the symbols.
+    """
+    known, found = set(held), list[tuple[MomentumCurve, sp.Symbol, sp.Symbol]]()
+    for curve, region, symbol in curves_held(form, known):
+        if curve.substitution.closed and curve.coordinate.domain.kind == "angle":
+            begin = form.solution.lower_limits.get(curve.coordinate.name, symbol)
+            found.append((curve, symbol, begin if region.kind == "rotation" and begin in known else symbol))
+    return found
+
+
+def begins_with(form: NamedForms, name: str) -> sp.Symbol | None:
+    """Return the lower limit of the coordinate that a form gives: x is counted from x_0; None of other forms.
+
+    Args:
+        form: of a regime.
+        name: of the quantity.
+    """
+    group, _, coordinate = name.partition(".")
+    return form.solution.lower_limits.get(coordinate) if group in _GIVE_A_PLACE else None
 
 
 def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:

@@ -50,7 +50,8 @@ def circular_variables(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) ->
     # the whole angle before its half: cos x has half the degree of cos² (x/2)
     while (doubled := _of_whole_angle(*known[-1])) is not None and (line or len(known) < 2):
         known.append(doubled)
-    if angle and (wells := _number_of_wells(known[-1][0])) > 1:
+    wells = _number_of_wells(known[-1][0]) if angle else 1
+    if wells > 1:
         yield from _half_sine(known[-1][1], _Turn(q, x, known[-1][0], wells))
     if line or (angle and known[-1][0] == 1):
         known = known[-1:]
@@ -61,6 +62,8 @@ def circular_variables(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) ->
         for variable in _of_multiples(function, κ, coordinate, x, turn=line or (angle and κ == 1)):
             none = False
             yield variable
+    if none and wells > 1:
+        yield from _on_a_turn(known[-1][1], _Turn(q, x, known[-1][0], wells), _even(known[-1][1], S, C))
     if (
         none and found[0].free_symbols
     ):  # how many turns are in the domain depends on letters: one about zero is looked at
@@ -99,7 +102,7 @@ def _of_multiples(
     even_s, even_c = _even(function, S, C), _even(function, C, S)
     if turn:
         for side in possible_signs(κ):
-            yield from _on_a_turn(function.subs(S, side * S), side * κ, q, x, even_s)
+            yield from _on_a_turn(function.subs(S, side * S), _Turn(q, x, side * κ), even_s)
         return
     if _inside(w0, w1, sp.S.Zero, sp.pi) and even_s is not None:
         yield Substitution(
@@ -140,24 +143,22 @@ def _between_poles(κ: sp.Expr, function: sp.Expr, q: sp.Symbol, x: sp.Symbol) -
     yield Substitution(x, sp.sin(w), sp.asin(x) / κ, slope, even.subs(S, x), -one, one, True, condition=condition_on(κ))
 
 
-def _on_a_turn(
-    function: sp.Expr, κ: sp.Expr, q: sp.Symbol, x: sp.Symbol, even: sp.Expr | None
-) -> Iterator[Substitution]:  # fmt: skip
+def _on_a_turn(function: sp.Expr, scale: _Turn, even: sp.Expr | None) -> Iterator[Substitution]:
     """Of an angle, or of a line along which P² is periodic: sines of the half about a place, tangents of the half."""
-    scale = _Turn(q, x, κ)
+    x = scale.x
     yield from _half_sine(function, scale)
     # even in sin w: cos w = 1 − 2 sin² (w/2) about the lowest place, 2 sin² − 1 about the highest
     if even is not None and (not even.is_polynomial(C) or sp.degree(even, C) > 1):
         for middle, sign in ((sp.S.Zero, 1), (sp.pi, -1)):
-            yield scale.about(middle, even.subs(C, sign * (1 - 2 * x**2)))
+            for well in scale.middles(middle):
+                yield scale.about(well, even.subs(C, sign * (1 - 2 * x**2)))
     half = function.subs({S: 2 * x / (1 + x**2), C: (1 - x**2) / (1 + x**2)}, simultaneous=True)
-    slope, turn, more = κ**2 * (1 + x**2) ** 2 / 4, 2 * sp.pi / κ, condition_on(κ)
-    place, inverse = sp.tan(κ * q / 2), 2 * sp.atan(x) / κ
-    yield Substitution(x, place, inverse, slope, half, -sp.oo, sp.oo, True, True, turn, more)
+    for well in scale.middles(sp.S.Zero):
+        yield scale.tangent(well, half)
     # about the opposite place: a libration about π is one interval of x
     half = function.subs({S: -2 * x / (1 + x**2), C: (x**2 - 1) / (1 + x**2)}, simultaneous=True)
-    place, inverse = sp.tan((κ * q - sp.pi) / 2), (sp.pi + 2 * sp.atan(x)) / κ
-    yield Substitution(x, place, inverse, slope, half, -sp.oo, sp.oo, True, True, turn, more)
+    for well in scale.middles(sp.pi):
+        yield scale.tangent(well, half)
 
 
 def _tan(w: sp.Expr) -> sp.Expr:
@@ -182,6 +183,22 @@ class _Turn:
     x: sp.Symbol
     κ: sp.Expr
     wells: int = 1
+
+    def middles(self, δ: sp.Expr) -> list[sp.Expr]:
+        """Return δ, and so many turns more as there are wells."""
+        return [δ + 2 * sp.pi * k for k in range(self.wells)]
+
+    def tangent(self, δ: sp.Expr, function: sp.Expr) -> Substitution:
+        """X = tan((κq − δ)/2).
+
+        Args:
+            δ: the middle of the turn.
+            function: P² in x.
+        """
+        κ, x = self.κ, self.x
+        slope, inverse, place = κ**2 * (1 + x**2) ** 2 / 4, (δ + 2 * sp.atan(x)) / κ, sp.tan((κ * self.q - δ) / 2)
+        turn, more = 2 * sp.pi / κ, condition_on(κ)
+        return Substitution(x, place, inverse, slope, function, -sp.oo, sp.oo, True, True, turn, more, self.wells)
 
     def about(self, δ: sp.Expr, function: sp.Expr) -> Substitution:
         """X = sin((κq − δ)/2).
@@ -215,9 +232,9 @@ def _half_sine(function: sp.Expr, scale: _Turn) -> Iterator[Substitution]:
         δ, d = sp.atan2(sine, cosine), common * sp.sqrt(sp.expand(sine**2 + cosine**2))
     if d.is_negative:
         δ, d = δ + sp.pi, -d
-    for k in range(scale.wells):
-        for middle, size in ((δ, d), (δ + sp.pi, -d)):  # about either place of rest
-            yield scale.about(middle + 2 * sp.pi * k, a + size * (1 - 2 * scale.x**2))
+    for middle, size in ((δ, d), (δ + sp.pi, -d)):  # about either place of rest
+        for well in scale.middles(middle):
+            yield scale.about(well, a + size * (1 - 2 * scale.x**2))
 
 
 def _of_known_sign(product: sp.Expr) -> sp.Expr:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import mpmath
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -49,8 +50,54 @@ def test_forms_are_those_of_a_pendulum_and_agree_with_the_quadratures(potential:
     place_now = form.evaluate("inverse.x", given | start | {"t": "3/10"}, 40).value
     turns = (place_now - motion.at("3/10").q["x"]) / (2 * mpmath.pi)
     assert abs(turns - mpmath.nint(turns)) < 1e-15
+    assert abs(form.evaluate("inverse.x", given | start | {"t": 0}, 40).value - start["x_0"]) < 1e-30
+    arrays = {name: np.array([float(v)] * 2) for name, v in (given | start).items()} | {"t": np.array([0.3, 0.0])}
+    np.testing.assert_allclose(
+        form.lambdify()["inverse.x"](**arrays), [float(place_now), float(start["x_0"])], rtol=4e-15
+    )
     assert sp.count_ops(form.inverse["x"]) <= 16
     assert not any("Carlson" in type(f).__name__ for f in form.named()["time_law"].atoms(sp.Function))
+
+
+@pytest.mark.parametrize(
+    ("potential", "place", "speed"),
+    [
+        ("-A*cos(2*x) - B*cos(4*x)", 3, SLOW),
+        pytest.param("-A*cos(2*x) - B*cos(4*x)", 3, FAST, marks=pytest.mark.nightly),
+        pytest.param("-A*cos(3*x) + B*sin(6*x)", -2, SLOW, marks=pytest.mark.nightly),
+        ("A/(2 + cos(2*x))", 3, SLOW),
+    ],
+)
+def test_functions_of_multiples_alone_have_forms_too(potential: str, place: object, speed: object):
+    motion = _motion(potential, place, speed)
+    form = own_form(motion)
+    assert form is not None
+    given = {p.name: p.value for p in motion.solution.system.parameters} | {"E": motion.initial.constants["E"]}
+    for name in ("actions.x", "periods.x"):
+        value, expected = form.evaluate(name, given, 40).value, getattr(motion, name.split(".")[0])["x"].value
+        assert abs(value - expected) <= 4e-15 * abs(expected)
+    start, later = (motion.initial.values[motion.solution.system.coordinates[0].symbol], motion.at("1/10").q["x"])
+    later += 2 * mpmath.pi * mpmath.nint((float(start) - later) / (2 * mpmath.pi))  # a rotation counts its turns
+    law = form.evaluate("time_law", given | {"x_0": start, "x": later}, 30)
+    assert abs(abs(float(law.value)) - 0.1) < 1e-13
+
+
+def test_a_rotation_is_counted_from_its_lower_limit_and_a_libration_from_nothing():
+    """A place beyond the turn is not that of a turn before: 3 and 4 are not 3 and 4 − 2π; in a well it is."""
+    form = own_form(_motion("-A*cos(x)", 3, FAST))
+    assert form is not None
+    given = {"m": "3/2", "A": 1, "E": 4, "x_0": 3}
+    with pytest.raises(hjsolve.InvalidInputError, match="the form is that of one turn"):
+        form.evaluate("time_law", given | {"x": 4})
+    assert np.isnan(form.lambdify()["time_law"](m=1.5, A=1.0, E=4.0, x_0=3.0, x=4.0))
+    form = own_form(_motion("A*cos(x)", 3, SLOW))
+    assert form is not None
+    given = {"m": "3/2", "A": 1, "E": "-9/10", "x_0": 3}
+    here, there = (
+        form.evaluate("time_law", given | {"x": x}, 20).value
+        for x in (sp.Rational(13, 4), sp.Rational(13, 4) - 2 * sp.pi)
+    )
+    assert here == there
 
 
 def test_every_well_has_a_regime_of_its_own_that_says_where_it_is():
