@@ -69,6 +69,11 @@ class Parameter(Shown):
     unit: str
     meaning: str
 
+    @property
+    def required(self) -> str:
+        """What a value must be, in words."""
+        return "an integer" if self.assume == "integer" else self.assume
+
 
 @arguments.with_known_names('parameter("k", "1/2", assume="positive", unit="N/m")')
 def parameter(name: str, value: object = None, *, assume: str = "real", unit: str = "", meaning: str = "") -> Parameter:
@@ -148,7 +153,7 @@ def check_value(declared: Parameter) -> None:
         InvalidSystemError: the value has another sign than the parameter must have, or is not an integer.
     """
     if contradicts(declared):
-        raise InvalidSystemError(f"parameter {declared.name} = {declared.value}: it must be {declared.assume}")
+        raise InvalidSystemError(f"parameter {declared.name} = {declared.value}: it must be {declared.required}")
 
 
 _SIGNS = {"positive": (1,), "negative": (-1,), "nonnegative": (0, 1), "nonzero": (-1, 1)}

@@ -95,8 +95,7 @@ def values_of(parameters: Sequence[Parameter], given: Values) -> dict[sp.Symbol,
     for p in parameters:
         value = values[p.symbol]
         if contradicts(replace(p, value=value)):
-            what = "an integer" if p.assume == "integer" else p.assume
-            raise InvalidInputError(f"parameters: {p.name} must be {what}, not {value}")
+            raise InvalidInputError(f"parameters: {p.name} must be {p.required}, not {value}")
     return {symbol: value for symbol, value in values.items() if value is not None}
 
 

@@ -38,7 +38,7 @@ def test_a_number_of_waves_is_accepted_where_its_value_or_its_declaration_makes_
         system("cos(n*a)", n="1/2")
     with pytest.raises(hjsolve.InvalidSystemError, match="declare n integer"):
         system("cos(n*a)", n=None)
-    with pytest.raises(hjsolve.InvalidSystemError, match="declared integer"):
+    with pytest.raises(hjsolve.InvalidSystemError, match="must be an integer"):
         system("cos(n*a)", n=parameter("n", "1/2", assume="integer"))
 
 
