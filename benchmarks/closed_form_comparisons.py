@@ -91,7 +91,7 @@ class Met:
     @cached_property
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Name of a form → it in doubles."""
-        return {name: self.regime.function(expression) for name, expression in self.form.named().items()}
+        return {name: self.regime.function(expression, name) for name, expression in self.form.named().items()}
 
     @cached_property
     def angles(self) -> set[str]:

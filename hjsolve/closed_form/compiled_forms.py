@@ -17,7 +17,7 @@ from hjsolve.closed_form.evaluation import magnitude
 from hjsolve.closed_form.lost_digits import FormInTwoDoubles, lost, lost_in_two_doubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.numbers import angles_of_turns, begins_with, curves_held, root_values
+from hjsolve.closed_form.numbers import angles_of_turns, curves_held, gained_in_a_turn, root_values
 from hjsolve.closed_form.regions import RootInterval, holds_place, region_exists
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
@@ -50,7 +50,7 @@ def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Mpf | Re
     if module not in ("numpy", "mpmath"):
         raise InvalidInputError(f'lambdify: {module!r} is not known; write "numpy" or "mpmath"')
     regime = CompiledRegime(form, module == "numpy")
-    return {name: regime.function(expression, begins_with(form, name)) for name, expression in form.named().items()}
+    return {name: regime.function(expression, name) for name, expression in form.named().items()}
 
 
 class CompiledRegime:
@@ -86,14 +86,14 @@ class CompiledRegime:
         """The same for numbers of mpmath."""
         return CompiledRegime(self.form, numpy=False)
 
-    def function(self, expression: sp.Expr, begin: sp.Symbol | None) -> Callable[..., Mpf | Reals | float]:
+    def function(self, expression: sp.Expr, name: str = "") -> Callable[..., Mpf | Reals | float]:
         """Return a form as a function of keyword arguments; its attribute ``names`` are those that it needs.
 
         Args:
             expression: the form.
-            begin: the lower limit of the coordinate that it gives; None where it gives something else.
+            name: of the quantity.
         """
-        compiled = CompiledForm(self, expression, begin)
+        compiled = CompiledForm(self, expression, name)
 
         def function(**given: object) -> Mpf | Reals | float:
             if self.numpy:
@@ -225,11 +225,12 @@ class CompiledForm:
     Args:
         regime: what it has in common with others.
         expression: the form.
-        begin: the lower limit from which whole turns of its values are counted.
+        name: of the quantity.
     """
 
-    def __init__(self, regime: CompiledRegime, expression: sp.Expr, begin: sp.Symbol | None = None):
-        self.regime, self.form, where, self.begin = regime, regime.form, regime.form.where, begin
+    def __init__(self, regime: CompiledRegime, expression: sp.Expr, name: str = ""):
+        self.regime, self.form, where = regime, regime.form, regime.form.where
+        self.name = name
         self.as_derived = expression
         if regime.arrange is not None:
             expression = regime.arrange.form(expression)
@@ -258,6 +259,18 @@ class CompiledForm:
                 places = self.symbols.index(symbol), self.symbols.index(begin)
                 found.append((*places, self.regime.compiled(self.symbols, middle)))
         return found
+
+    @cached_property
+    def in_a_turn(self) -> dict[int, _Compiled]:
+        """Position of an angle → what the form gains where it moves on by a whole turn."""
+        gains = gained_in_a_turn(self.form, self.name).items()
+        return {
+            self.symbols.index(s): self.regime.compiled(self.symbols, e) for s, e in gains if s in self.symbols
+        }  # fmt: skip
+
+    def _gained(self, turns: Mapping[int, Any], numbers: Sequence[Any]) -> Any:
+        """Return what the form gained in whole turns."""
+        return sum(count * self.in_a_turn[k](*numbers) for k, count in turns.items() if k in self.in_a_turn)
 
     @cached_property
     def where(self) -> dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]:
@@ -302,8 +315,7 @@ class CompiledForm:
             exact = {s: sp.sympify(v) for s, v in given.items()}
             table = root_values(self.form, exact, mp.dps + 5, self.roots)
             numbers = [*numbers, *(table[s] for s in self.roots)]
-        back = next((2 * mp.pi * count for k, count in turns.items() if self.symbols[k] == self.begin), 0)
-        return self.plain(*map(mp.mpmathify, numbers)) + back
+        return self.plain(*map(mp.mpmathify, numbers)) + self._gained(turns, numbers[: len(self.symbols)])
 
     def arrays(self, given: Mapping[str, object]) -> Reals | float:
         """At arrays of doubles; nan outside the regime."""
@@ -322,9 +334,8 @@ class CompiledForm:
             for begin in range(0, max(1, math.prod(shape)), _BLOCK)
         ]
         found = np.concatenate(blocks)
-        for k, count in turns.items():
-            if self.symbols[k] == self.begin:
-                found = found + 2 * np.pi * count
+        if any(count.any() for count in turns.values()):
+            found = found + self._gained(turns, flat)
         return found.reshape(shape)[()]
 
     def _block(self, places: Sequence[Reals], count: int) -> Reals:

@@ -57,8 +57,8 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     turns = whole_turns(form, exact)
     exact |= {symbol: exact[symbol] - 2 * sp.pi * count for symbol, count in turns.items()}
     refuse_places(form, exact)
-    if count := turns.get(begins_with(form, name), 0):
-        expression = expression + 2 * sp.pi * count
+    for symbol, more in gained_in_a_turn(form, name).items() if any(turns.values()) else ():
+        expression = expression + turns.get(symbol, 0) * more
     for times in _TIMES_THE_DIGITS:
         # roots and constants to twice the digits: what differs between both evaluations is lost by the form alone
         working = 2 * times * (digits + _GUARD)
@@ -156,15 +156,22 @@ def angles_of_turns(
     return found
 
 
-def begins_with(form: NamedForms, name: str) -> sp.Symbol | None:
-    """Return the lower limit of the coordinate that a form gives: x is counted from x_0; None of other forms.
+def gained_in_a_turn(form: NamedForms, name: str) -> dict[sp.Symbol, sp.Expr]:
+    """Return what a form gains where an angle moves on by a whole turn, by the symbol of the angle.
+
+    q(t) is counted from q(t₀), and W holds −∫ A dq of a shift A of the momenta, p = P − A. Other forms gain nothing.
 
     Args:
         form: of a regime.
         name: of the quantity.
     """
-    group, _, coordinate = name.partition(".")
-    return form.solution.lower_limits.get(coordinate) if group in _GIVE_A_PLACE else None
+    solution, (group, _, coordinate) = form.solution, name.partition(".")
+    if group in _GIVE_A_PLACE and coordinate in solution.lower_limits:
+        return {solution.lower_limits[coordinate]: 2 * sp.pi}
+    if name != "characteristic_function":
+        return {}
+    shifts = ((solution.system.coordinate(q).symbol, A) for q, A in solution.shift.items() if A != 0)
+    return {q: -sp.integrate(A, (q, -sp.pi, sp.pi)) for q, A in shifts}
 
 
 def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:

@@ -100,6 +100,19 @@ def test_a_rotation_is_counted_from_its_lower_limit_and_a_libration_from_nothing
     assert here == there
 
 
+def test_a_turn_later_w_has_gained_the_integral_of_the_shift():
+    """On the turning wire p = P − A with A = m r² w (cos θ − 1): W(θ) − W(θ − 2π) = −∮ A dθ = 2π m r² w."""
+    arguments = hjsolve.catalog.describe("bead-on-turning-wire").motions["default"].arguments
+    form = own_form(hjsolve.solve("bead-on-turning-wire").motion(**arguments))
+    assert form is not None
+    given = {"m": 2, "r": "1/2", "w": 3, "E": "-1/5", "theta_0": 3}
+    places = sp.Rational(31, 10), sp.Rational(31, 10) - 2 * sp.pi
+    here, before = (form.evaluate("characteristic_function", given | {"theta": θ}, 30).value for θ in places)
+    assert abs(here - before - 3 * mpmath.pi) < 1e-14
+    arrays = {name: float(sp.sympify(v)) for name, v in given.items()} | {"theta": np.array([float(θ) for θ in places])}
+    np.testing.assert_allclose(form.lambdify()["characteristic_function"](**arrays), [float(here), float(before)], rtol=4e-15)
+
+
 def test_every_well_has_a_regime_of_its_own_that_says_where_it_is():
     forms = hjsolve.closed_forms(_motion("-A*cos(2*x)", "1/3", SLOW).solution)
     wells = [form for form in forms if form.regime.kinds["x"] == "libration"]
