@@ -315,35 +315,41 @@ def _needed_signs(system: System) -> Mapping[str, Assumption]:
     return needed_signs(tuple(masses), system.coordinates, system.parameters)
 
 
-def check_values(system: System, parameters: Sequence[Parameter]) -> None:
+def check_values(system: System, parameters: Sequence[Parameter], *, refuse_ends: bool = True) -> None:
     """Check that with the values of parameters no domain is empty, T is definite, and T and V are periodic in angles.
 
     Args:
         system: whose T and V are looked at.
         parameters: those whose values are put in.
+        refuse_ends: whether ends of domains that are not real are refused here, or left to who needs their numbers.
 
     Raises:
         InvalidSystemError: which is not so, and where.
     """
     values = {p.symbol: p.value for p in parameters if p.value is not None}
-    for c in system.coordinates:
-        ends = [end for end in (c.domain.lower, c.domain.upper) if end is not None]
-        if all(end.free_symbols <= values.keys() for end in ends):
-            _check_ends(c, values)
-    check_mass_matrix(mass_matrix(system), system.coordinates, parameters, system.signature)
     if any(c.domain.kind == "angle" for c in system.coordinates):
         parts = (("kinetic", system.kinetic), ("potential", system.potential))
         check_periodic(parts, system.coordinates, parameters)
+    for c in system.coordinates:
+        ends = [end for end in (c.domain.lower, c.domain.upper) if end is not None]
+        known = all(end.free_symbols <= values.keys() for end in ends)
+        if known and not _has_ends(c, values, refuse=refuse_ends):
+            return
+    check_mass_matrix(mass_matrix(system), system.coordinates, parameters, system.signature)
 
 
-def _check_ends(coordinate: Coordinate, defaults: Mapping[sp.Symbol, sp.Expr]) -> None:
+def _has_ends(coordinate: Coordinate, values: Mapping[sp.Symbol, sp.Expr], *, refuse: bool) -> bool:
+    """Return whether the ends are real, the lower one below the upper; refuse what is not."""
     written = f'domain of {coordinate.name}: "{coordinate.domain.written(coordinate.name)}"'
     try:
-        lower, upper = end_values(coordinate.domain, {symbol: evaluate(v, {}) for symbol, v in defaults.items()})
+        lower, upper = end_values(coordinate.domain, {symbol: evaluate(v, {}) for symbol, v in values.items()})
     except NoValueError:
+        if not refuse:
+            return False
         raise InvalidSystemError(f"{written}: an end is not a finite real number with the values given") from None
     if lower is not None and upper is not None and lower >= upper:
         raise InvalidSystemError(f"{written} is empty with the values given; the lower end must be below the upper")
+    return True
 
 
 def placed(system: System, places: Places) -> System:

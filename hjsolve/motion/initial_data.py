@@ -65,7 +65,8 @@ def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
         )
     values = values_of(system.parameters, given)
     if given:
-        check_values(system, [replace(p, value=values[p.symbol]) for p in system.parameters])
+        given_values = [replace(p, value=values[p.symbol]) for p in system.parameters]
+        check_values(system, given_values, refuse_ends=False)
     return values
 
 
