@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.machine.over_rows import WIDTH
 from hjsolve.arithmetic.machine.run import MachineProgram
 from hjsolve.arithmetic.number_types import Complexes, Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
+from hjsolve.ensembles.engine.kernels.minima_over_a_turn import POINTS, Valleys, ValleyScratch, valleys_of_turns
 from hjsolve.ensembles.engine.kernels.turn_integrals import Rounds, Turns, TurnScratch, series_of_turns
 from hjsolve.ensembles.engine.kernels.turn_integrals import rotations as integrated
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
@@ -26,9 +27,8 @@ from hjsolve.ensembles.engine.rotation_anomalies import SlowPlaces, slow_places
 from hjsolve.ensembles.engine.strips_of_analyticity import covered_turn
 from hjsolve.ensembles.engine.turned_circle import moved_disks
 
-_POINTS = 32
-_GRID = np.pi * (1 + 2 * np.arange(_POINTS) / _POINTS)
-"""Where p² > 0 is looked at: the grid proposes, the nodes prove. Half and twice as many change no status."""
+_GRID = np.pi * (1 + 2 * np.arange(POINTS) / POINTS)
+"""Where p² > 0 is looked at."""
 _CROWDED = 28, 7
 """Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried. Half and twice of
 either change last bits and no time."""
@@ -66,19 +66,13 @@ def going_round(one: CoordinateOfOrbits) -> Rotations:
     Args:
         one: a periodic coordinate of the orbits.
     """
-    n, code = len(one.q), one.programs.views[0].bend
+    program = one.programs.views[0].bend.program(WIDTH, one.parameters)
+    valleys = Valleys(*np.empty((len(Valleys._fields), len(one.q))))
+    work = ValleyScratch(np.empty((POINTS, WIDTH)), np.empty((2, WIDTH)))
+    valleys_of_turns(program, one.constants, _GRID, valleys, work)
+    going = np.flatnonzero(np.isfinite(valleys.place) & np.isfinite(one.P) & (one.P != 0))
     with np.errstate(all="ignore"):
-        given = np.concatenate([np.tile(_GRID, n)[None], np.repeat(one.constants, _POINTS, axis=1)])
-        values = run_rows(code, one.parameters, given)[0].reshape(n, _POINTS)
-        # a grid only proposes: that p² > 0 between its points is shown by the least value, and proved by the nodes
-        going = np.flatnonzero((values > 0).all(axis=1) & np.isfinite(one.P) & (one.P != 0))
-        some = one.take(going)
-
-        def jet(place: Reals) -> tuple[Reals, Reals, Reals]:
-            value, first, second = run_rows(code, some.parameters, np.stack([place, *some.constants]))
-            return value, first, second
-
-        slow = slow_places(jet, values[going], _GRID)
+        slow = slow_places(Valleys(*(x[going] for x in valleys)))
     # p² at its minimum decides whether it goes round
     sure = np.flatnonzero(slow.least > 0)
     return Rotations(going[sure], slow.take(sure))

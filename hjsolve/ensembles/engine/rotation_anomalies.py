@@ -7,25 +7,16 @@ one such pair far away and leave fewer nodes for the rest of the turn; where p²
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.arithmetic.root_finding import stationary_places
+from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.kernels.minima_over_a_turn import Valleys
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 from hjsolve.ensembles.engine.turned_circle import reach
 from hjsolve.one_coordinate.barriers import EQUAL_BARRIERS, barrier_order
-
-Jet = Callable[[Reals], tuple[Reals, Reals, Reals]]
-"""F, F′ and F″ at a place of each of n orbits."""
-
-_FARTHEST_STEP = 0.2
-"""Of Newton's method, radians: the spacing 2π/32 of the grid it begins on. Farther away another point is nearer."""
-_AWAY = 3
-"""Points of the grid from the slow place on at which another one may be."""
 
 
 @dataclass(frozen=True)
@@ -53,22 +44,19 @@ class SlowPlaces:
         return SlowPlaces(**{name: getattr(self, name)[index] for name in self.__dataclass_fields__})
 
 
-def slow_places(jet: Jet, values: Reals, grid: Reals) -> SlowPlaces:
-    """Find where p² is least, by Newton's method on F′ from the least values on a grid, and choose the anomaly.
+def slow_places(valleys: Valleys) -> SlowPlaces:
+    """Choose the anomaly.
 
     Args:
-        jet: of p².
-        values: of it on the grid, shape (n, points).
-        grid: angles, equally spaced over a turn.
+        valleys: where p² is least, of n rotations.
     """
-    bottom = values.min(axis=1, keepdims=True)
-    # the first of equal barriers, whatever rounding says of their order
-    first = np.argmax(values <= bottom + 1e-9 * np.abs(values).max(axis=1, keepdims=True), axis=1)
-    slow, gap, least = _refined(jet, grid[first])
-    second, there = _second(values, grid, slow)
-    other, far, lowest = _refined(jet, grid[second])
-    far, lowest = np.where(there & np.isfinite(far), far, np.inf), np.where(there, lowest, np.inf)
-    alike = np.abs(lowest - least) <= EQUAL_BARRIERS * np.abs(values).max(axis=1)
+    slow, other, gap, least, greatest = (
+        valleys.place, valleys.other, valleys.gap, valleys.least, valleys.greatest
+    )  # fmt: skip
+    there = np.isfinite(other)
+    far = np.where(there & np.isfinite(valleys.far), valleys.far, np.inf)
+    lowest = np.where(there, valleys.lowest, np.inf)
+    alike = np.abs(lowest - least) <= EQUAL_BARRIERS * greatest
     # the same barrier as for single motions, from which angles are counted
     swapped = np.isfinite(far) & np.where(alike, barrier_order(other) < barrier_order(slow), lowest < least)
     slow, other = np.where(swapped, other, slow), np.where(swapped, slow, other)
@@ -89,29 +77,6 @@ def slow_places(jet: Jet, values: Reals, grid: Reals) -> SlowPlaces:
         ratio=np.where(both, ratio, 0.0),
         least=np.fmin(least, lowest),
     )
-
-
-def _refined(jet: Jet, place: Reals) -> tuple[Reals, Reals, Reals]:
-    """Return a place where F is least, the distance √(2F/F″) of zeros from the real line, NaN for none near, and F."""
-    place, going, _ = stationary_places(jet, place, _FARTHEST_STEP, 8)
-    with np.errstate(all="ignore"):
-        value, _, second = jet(place)
-        gap = np.sqrt(2 * value / second)
-    return place, np.where(going & np.isfinite(gap), gap, np.nan), value
-
-
-def _second(values: Reals, grid: Reals, slow: Reals) -> tuple[Integers, Mask]:
-    """Return the point of the grid at the bottom of the narrowest of all other valleys, and whether there is one."""
-    before, after = np.roll(values, 1, axis=1), np.roll(values, -1, axis=1)
-    away = np.abs((grid - slow[:, None] + np.pi) % (2 * np.pi) - np.pi) > _AWAY * 2 * np.pi / len(grid)
-    bend = before - 2 * values + after
-    with np.errstate(all="ignore"):
-        # F at the bottom of the parabola through three points, over its second difference: the distance of its zeros,
-        # squared
-        gaps = values / bend - 0.125 * ((after - before) / bend) ** 2
-    gaps = np.where(away & (values <= before) & (values <= after) & (bend > 0), gaps, np.inf)
-    point = gaps.argmin(axis=1)
-    return point, np.isfinite(gaps[np.arange(len(gaps)), point])
 
 
 def _one(gap: Reals, other: Reals) -> tuple[Integers, Reals]:
