@@ -19,6 +19,7 @@ from hjsolve.closed_form.elementary_inverses import (
 )
 from hjsolve.closed_form.elliptic_inverses import elliptic_inverse, root_of_square
 from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.even_curves import in_square
 from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.jacobi_equations import common_parameter, integrated_over, time_of, without_integrals
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
@@ -246,6 +247,9 @@ def _elliptic(
     if integral.squared is not None and not integral.rational.has(integral.curve.x):
         x = _through_square(integral, integral.squared, value, start, names)
         return verified_inverse(own, integral, s.q(x), value, start, names, others)
+    if integral.squared is not None:  # were x(t) elliptic, X(t) = x² would be
+        X = integral.squared.X
+        raise NoFormError(NotOfTheFirstKind(own.name, X, in_square(integral.rational, integral.curve.x, X)))
     if integral.curve.degree > 4:
         raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
     # of second and third kind the inverse is not single-valued in the complex plane (Jacobi, Abel)

@@ -69,6 +69,15 @@ def test_the_time_of_a_bead_on_a_cone_is_no_integral_of_the_first_kind() -> None
     assert reason.holds()
 
 
+def test_nor_is_one_that_is_elliptic_in_the_square_of_the_place() -> None:
+    """Of m(1 + b q²)q̇²/2, V = k q²/2 + c q⁴/4: dt = (1 + b X) dX/√(X P(X)) in X = q²."""
+    proof = forms("one-degree-of-freedom")[0].why_not["inverse.q"]
+    assert isinstance(proof, NotOfTheFirstKind)
+    assert proof.holds()
+    (b,) = (s for s in proof.rational.free_symbols if s.name == "b")
+    assert not replace(proof, rational=proof.rational.xreplace({b: 0})).holds()  # of constant mass
+
+
 @pytest.mark.nightly
 def test_integrals_that_are_multiples_are_not_independent() -> None:
     proof = forms("kepler-prolate")[0].why_not["inverse.xi"]
