@@ -12,6 +12,7 @@ Residuals of full steps fall like rₖ₊₁ = κ rₖ² (Kelley, Iterative meth
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -183,69 +184,162 @@ def constants_of_tori(
         rough: whether constants are wanted to a few digits only.
         stages: integrals that each search begins with, shape (n,); None for ``APPROXIMATE``.
     """
-    size, n = goals.actions.shape
-    zero = goals.actions == 0
-    weight = np.where(zero, _ACTION_OF_REST * goals.scale / _CLOSE, goals.actions)
-    base, step = Tori(*(x.copy() for x in begin[0])), begin[1].copy()
-    trial = base.moved(goals.unknown, step)
-    fraction, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
-    best, how = no_actions(size, len(task.model.constants), n), np.full(n, APPROXIMATE) if stages is None else stages
-    done, open_, tried = np.zeros(n, dtype=bool), np.ones(n, dtype=bool), np.zeros(n, dtype=np.int64)
-    curve, beyond = np.full(n, np.inf), np.zeros(n)
-    while open_.any():
+    searches = _Searches.begun(task, begin, goals, stages, rough=rough)
+    while searches.open.any():
         # those with the roughest integrals, while the others wait: a round costs the same for ten orbits or a hundred
-        stage = how[open_].min()
-        active = np.flatnonzero(open_ & (how == stage))
+        stage = searches.how[searches.open].min()
+        active = np.flatnonzero(searches.open & (searches.how == stage))
         if stage < EXACT and len(active) <= few:
-            open_[active] = False
+            searches.open[active] = False
             continue
-        found, seen = _each(task, (trial, zero, goals.rotating), active, stage, rough=rough)
+        given = searches.trial, goals.actions == 0, goals.rotating
+        found, seen = _each(task, given, active, stage, rough=rough)
+        judged = searches.judged(active, stage, found, seen.values)
+        searches.write(active, judged, found, seen)
+        searches.choose(active, judged, rounds)
+        searches.move(active[searches.open[active]])
+    return searches.ended()
+
+
+class _Judged(NamedTuple):
+    """What an evaluation of J tells of some searches; arrays (m,).
+
+    Attributes:
+        residual: J wanted less J found, shape (separated, m).
+        own: the largest, relatively.
+        after: what one more step leaves of it, as it is foreseen.
+        better: whether the step made something better.
+        finished: whether these are the actions that are wanted.
+        settled: whether rounding is reached: a full step from nearby makes nothing better.
+        last: whether one more step need not be tried.
+    """
+
+    residual: Reals
+    own: Reals
+    after: Reals
+    better: Mask
+    finished: Mask
+    settled: Mask
+    last: Mask
+
+
+@dataclass(frozen=True)
+class _Searches:
+    """Where Newton's method has come to for n orbits; the arrays are written into.
+
+    Attributes:
+        goals, rough: of ``constants_of_tori``.
+        weight: what residuals are over, shape (separated, n).
+        base, best: the best tori up to now, and their actions.
+        step, fraction: from there, shape (unknown, n), and how much of it is tried.
+        trial: the tori that are tried.
+        merit, left: the largest relative residual of the best, and all residuals, shape (separated, n).
+        how: by which integrals J is worked out next.
+        curve: κ of rₖ₊₁ = κ rₖ².
+        beyond: the sum of 1/residual over short steps in vain.
+        tried: how often J was evaluated.
+        open, done: which searches go on, and which have reached their goal.
+    """
+
+    goals: Goals
+    rough: bool
+    weight: Reals
+    base: Tori
+    best: Actions
+    step: Reals
+    fraction: Reals
+    trial: Tori
+    merit: Reals
+    left: Reals
+    how: Integers
+    curve: Reals
+    beyond: Reals
+    tried: Integers
+    open: Mask
+    done: Mask
+
+    @classmethod
+    def begun(
+        cls, task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, stages: Integers | None, *, rough: bool
+    ) -> _Searches:
+        """Return searches none of which has tried anything."""
+        size, n = goals.actions.shape
+        weight = np.where(goals.actions == 0, _ACTION_OF_REST * goals.scale / _CLOSE, goals.actions)
+        base, step = Tori(*(x.copy() for x in begin[0])), begin[1].copy()
+        return cls(
+            goals=goals, rough=rough, weight=weight, base=base, best=no_actions(size, len(task.model.constants), n),
+            step=step, fraction=np.ones(n), trial=base.moved(goals.unknown, step), merit=np.full(n, np.inf),
+            left=np.full((size, n), np.inf), how=np.full(n, APPROXIMATE) if stages is None else stages,
+            curve=np.full(n, np.inf), beyond=np.zeros(n), tried=np.zeros(n, dtype=np.int64),
+            open=np.ones(n, dtype=bool), done=np.zeros(n, dtype=bool),
+        )  # fmt: skip
+
+    def judged(self, active: Integers, stage: int, found: Actions, constants: Reals) -> _Judged:
+        """Compare the actions of some searches with those wanted."""
+        goals, merit, fraction = self.goals.take(active), self.merit[active], self.fraction[active]
         sure = stage > APPROXIMATE
         with np.errstate(all="ignore"):
-            residual = goals.actions[:, active] - found.values
-            unknown = unknown_of(found.slopes, seen.values)
+            residual = goals.actions - found.values
+            unknown = unknown_of(found.slopes, constants)
             # what constants in two doubles leave open is not sought: narrow librations find their height later
-            weights = np.fmax(weight[:, active], unknown / _CLOSE)
+            weights = np.fmax(self.weight[:, active], unknown / _CLOSE)
             own = np.max(np.abs(residual) / weights, axis=0)
             # far away an action that is nearly zero counts by the size of all: else it would hold up the others
-            floor = _FAR * np.fmin(left[:, active].max(axis=0), goals.scale[active])
-            far, before = (np.max(np.abs(r) / (weights + floor), axis=0) for r in (residual, left[:, active]))
-            full = (fraction[active] == 1.0) & (merit[active] < 1)
-            curve[active] = np.where(full, np.fmax(own / merit[active] ** 2, 1.0), curve[active])
-            after = curve[active] * own**2
+            floor = _FAR * np.fmin(self.left[:, active].max(axis=0), goals.scale)
+            far, before = (np.max(np.abs(r) / (weights + floor), axis=0) for r in (residual, self.left[:, active]))
+            full = (fraction == 1.0) & (merit < 1)
+            self.curve[active] = np.where(full, np.fmax(own / merit**2, 1.0), self.curve[active])
+            after = self.curve[active] * own**2
             known = (found.errors <= _KNOWN[stage] * weights).all(axis=0)
         # J of the harmonic libration is that of the motion only where it is to be zero
-        close = own <= (_FEW_DIGITS if rough else _CLOSE)
-        harmonic = found.harmonic & (goals.actions[:, active] > unknown)
-        finished = (sure | rough) & found.good & close & ~harmonic.any(axis=0)
-        falls = 1 - _FALLS * fraction[active]
-        better = found.good & ((own < falls * merit[active]) | (far < falls * before) | finished)
-        # rounding is reached where a full step from nearby makes nothing better
-        settled = sure & ~better & (fraction[active] == 1.0) & (merit[active] < _SETTLED)
+        harmonic = (found.harmonic & (goals.actions > unknown)).any(axis=0)
+        finished = (sure | self.rough) & found.good & (own <= (_FEW_DIGITS if self.rough else _CLOSE)) & ~harmonic
+        falls = 1 - _FALLS * fraction
+        better = found.good & ((own < falls * merit) | (far < falls * before) | finished)
+        settled = sure & ~better & (fraction == 1.0) & (merit < _SETTLED)
         last = sure & better & ~finished & known & (_FORESEEN * after <= _CLOSE)
+        return _Judged(residual, own, after, better, finished, settled, last)
+
+    def write(self, active: Integers, judged: _Judged, found: Actions, seen: Tori) -> None:
+        """Keep the tori that are better, with the step from each; those of a last step are where it leads."""
+        better, goals = judged.better, self.goals
         here = active[better]
-        for kept, new in zip(base, seen, strict=True):
-            kept[..., here] = new[..., better]
-        for whole, part in zip(best, found, strict=True):
+        for whole, part in zip((*self.base, *self.best), (*seen, *found), strict=True):
             whole[..., here] = part[..., better]
-        merit[here], left[:, here] = own[better], np.abs(residual[:, better])
+        self.merit[here], self.left[:, here] = judged.own[better], np.abs(judged.residual[:, better])
         missing = _missing(goals.take(here), found.values[:, better])
-        step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], missing)
-        _shortened(fraction, beyond, merit, (here, active[~better]))
-        done[active[finished | settled | last]] = True
-        _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
-        _refined(how, merit, active, (fraction, own, after), rough=rough)
-        tried[active] += 1
-        going_on = (fraction[active] >= _LEAST_STEP) & (beyond[active] < _BEYOND) & (tried[active] < rounds)
-        open_[active] = ~finished & ~settled & ~last & going_on
-        active = active[open_[active]]
-        moved = base.take(active).moved(goals.unknown, fraction[active] * step[:, active])
-        for kept, new in zip(trial, moved, strict=True):
+        self.step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], missing)
+        last = active[judged.last]
+        _stepped(self.base, self.best, goals.take(last), (last, self.step[:, last], judged.after[judged.last]))
+
+    def choose(self, active: Integers, judged: _Judged, rounds: int) -> None:
+        """Choose the fraction of the next steps and the integrals, and which searches go on."""
+        _shortened(self.fraction, self.beyond, self.merit, (active[judged.better], active[~judged.better]))
+        _refined(self.how, self.merit, active, (self.fraction, judged.own, judged.after), rough=self.rough)
+        self.tried[active] += 1
+        ended = judged.finished | judged.settled | judged.last
+        self.done[active[ended]] = True
+        given_up = self.in_vain[active] | (self.tried[active] >= rounds)
+        self.open[active] = ~ended & ~given_up
+
+    @property
+    def in_vain(self) -> Mask:
+        """Which searches make nothing better with short steps."""
+        return (self.fraction < _LEAST_STEP) | (self.beyond >= _BEYOND)
+
+    def move(self, active: Integers) -> None:
+        """Try the next step of some searches."""
+        unknown = self.goals.unknown
+        moved = self.base.take(active).moved(unknown, self.fraction[active] * self.step[:, active])
+        for kept, new in zip(self.trial, moved, strict=True):
             kept[..., active] = new
-    harmonic = best.harmonic & (goals.actions > unknown_of(best.slopes, base.values))
-    finite = done & best.good & ~harmonic.any(axis=0)
-    in_vain = (beyond >= _BEYOND) | (fraction < _LEAST_STEP)
-    return Solved(base, best, finite, ~finite & in_vain & (merit >= _PERHAPS) & (merit < np.inf))
+
+    def ended(self) -> Solved:
+        """Return what was found."""
+        harmonic = self.best.harmonic & (self.goals.actions > unknown_of(self.best.slopes, self.base.values))
+        finite = self.done & self.best.good & ~harmonic.any(axis=0)
+        denied = ~finite & self.in_vain & (self.merit >= _PERHAPS) & (self.merit < np.inf)
+        return Solved(self.base, self.best, finite, denied)
 
 
 def _missing(goals: Goals, found: Reals) -> Reals:
