@@ -17,8 +17,17 @@ from hjsolve.closed_form.evaluation import magnitude
 from hjsolve.closed_form.lost_digits import FormInTwoDoubles, lost, lost_in_two_doubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.numbers import angles_of_turns, curves_held, gained_in_a_turn, root_values
+from hjsolve.closed_form.numbers import root_values
 from hjsolve.closed_form.regions import RootInterval, holds_place, region_exists
+from hjsolve.closed_form.turns_of_angles import (
+    DIGITS_AT_ENDS,
+    CompiledAngle,
+    CountedAngle,
+    counted_angles,
+    curves_held,
+    gained_in_a_turn,
+    passing_angles,
+)
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
 from hjsolve.functions import modules
@@ -31,6 +40,8 @@ _DIGITS_BEYOND_DOUBLES = 50, 120, 480
 """Of what is next to a border or not finite in doubles, nor in fewer digits: roots of a small E may be 1e90 apart."""
 _SAME = 2.0**-58
 """Of themselves, how far numbers in fewer and in more digits are apart that round to the same double, or next to it."""
+_SHORT = 2.0**-44
+"""Of a turn, how far from its end a form is taken there: rounding must not lead beyond."""
 _BLOCK = 16384
 """Elements worked on together: coefficients and roots of so many polynomials stay in the processor's cache."""
 _Compiled = Callable[..., Any]
@@ -250,23 +261,30 @@ class CompiledForm:
         return curves_held(self.form, self.held)
 
     @cached_property
-    def turned(self) -> list[tuple[int, int, _Compiled]]:
-        """Positions of angles among the arguments, of those that count their turns, and the middles of these."""
-        known, found = set(self.symbols), list[tuple[int, int, _Compiled]]()
-        for curve, symbol, begin in angles_of_turns(self.form, self.held):
-            middle = curve.substitution.inverse.subs(curve.x, 0)
-            if middle.free_symbols <= known:
-                places = self.symbols.index(symbol), self.symbols.index(begin)
-                found.append((*places, self.regime.compiled(self.symbols, middle)))
+    def turned(self) -> list[CompiledAngle]:
+        """Angles and lower limits whose turns are taken off, as the lower limits count them."""
+        return self._turned(counted_angles(self.form, self.held))
+
+    @cached_property
+    def passing(self) -> list[CompiledAngle]:
+        """Angles that may go on beyond the turn of the form."""
+        return self._turned(passing_angles(self.form, self.name, self.held))
+
+    def _turned(self, angles: Sequence[CountedAngle]) -> list[CompiledAngle]:
+        known, found = set(self.symbols), list[CompiledAngle]()
+        for own in angles:
+            if (own.middle.free_symbols | own.turn.free_symbols) <= known:
+                places = self.symbols.index(own.symbol), self.symbols.index(own.begin)
+                found.append(
+                    CompiledAngle(*places, *(self.regime.compiled(self.symbols, e) for e in (own.middle, own.turn)))
+                )
         return found
 
     @cached_property
     def in_a_turn(self) -> dict[int, _Compiled]:
         """Position of an angle → what the form gains where it moves on by a whole turn."""
-        gains = gained_in_a_turn(self.form, self.name).items()
-        return {
-            self.symbols.index(s): self.regime.compiled(self.symbols, e) for s, e in gains if s in self.symbols
-        }  # fmt: skip
+        held, gains = self.symbols, gained_in_a_turn(self.form, self.name).items()
+        return {held.index(s): self.regime.compiled(held, e) for s, e in gains if s in held}
 
     def _gained(self, turns: Mapping[int, Any], numbers: Sequence[Any]) -> Any:
         """Return what the form gained in whole turns."""
@@ -304,10 +322,23 @@ class CompiledForm:
 
     def one(self, numbers: Sequence[Mpf | float]) -> Mpf:
         """At one place; nan outside the regime."""
-        numbers = [*map(mp.mpmathify, numbers)]
-        turns = {k: mp.nint((numbers[of] - middle(*numbers)) / (2 * mp.pi)) for k, of, middle in self.turned}
-        for k, count in turns.items():
-            numbers[k] -= 2 * mp.pi * count
+        numbers, begun = ([*map(mp.mpmathify, numbers)] for _ in range(2))
+        turns = {own.place: own.turns_at(begun, own.begin, mp.nint) for own in self.turned}
+        for own in self.turned:
+            numbers[own.place] -= turns[own.place] * own.turn(*begun)
+        gained = self._gained(turns, numbers)
+        for own in self.passing:
+            count = own.turns_at(numbers, own.place, mp.nint)
+            if count:
+                numbers[own.place] -= count * own.turn(*numbers)
+                short = mp.mpf(10) ** -mp.dps
+                with mp.workdps(DIGITS_AT_ENDS * mp.dps):
+                    ends = [self._within(own.at_end(numbers, side, short)) for side in (1, -1)]
+                gained += count * (ends[0] - ends[1])
+        return self._within(numbers) + gained
+
+    def _within(self, numbers: list[Mpf]) -> Mpf:
+        """At one place of the turn that the form is for."""
         given = dict(zip(self.symbols, numbers, strict=True))
         if not self.regime.one_is_inside(given, self.placed):
             return mp.nan
@@ -315,7 +346,7 @@ class CompiledForm:
             exact = {s: sp.sympify(v) for s, v in given.items()}
             table = root_values(self.form, exact, mp.dps + 5, self.roots)
             numbers = [*numbers, *(table[s] for s in self.roots)]
-        return self.plain(*map(mp.mpmathify, numbers)) + self._gained(turns, numbers[: len(self.symbols)])
+        return self.plain(*map(mp.mpmathify, numbers))
 
     def arrays(self, given: Mapping[str, object]) -> Reals | float:
         """At arrays of doubles; nan outside the regime."""
@@ -325,18 +356,35 @@ class CompiledForm:
         places = np.broadcast_arrays(*listed) if listed else []
         shape = places[0].shape if places else ()
         flat = [np.ravel(a) for a in places]
+        begun, count, gained = [*flat], math.prod(shape), np.zeros(math.prod(shape))
         with np.errstate(all="ignore"):
-            turns = {k: np.rint((flat[of] - middle(*flat)) / (2 * np.pi)) for k, of, middle in self.turned}
-        for k, count in turns.items():
-            flat[k] = flat[k] - 2 * np.pi * count
-        blocks = [
-            self._block([a[begin : begin + _BLOCK] for a in flat], min(_BLOCK, math.prod(shape) - begin))
-            for begin in range(0, max(1, math.prod(shape)), _BLOCK)
-        ]
-        found = np.concatenate(blocks)
-        if any(count.any() for count in turns.values()):
-            found = found + self._gained(turns, flat)
-        return found.reshape(shape)[()]
+            turns = {own.place: own.turns_at(begun, own.begin, np.rint) for own in self.turned}
+            for own in self.turned:
+                flat[own.place] = begun[own.place] - turns[own.place] * own.turn(*begun)
+            if any(times.any() for times in turns.values()):
+                gained = gained + self._gained(turns, flat)
+            for own in self.passing:
+                times = own.turns_at(flat, own.place, np.rint)
+                some = np.flatnonzero(times)  # nan as well
+                flat[own.place] = flat[own.place] - times * own.turn(*flat)
+                if len(some):
+                    gained[some] += times[some] * self._over_a_turn(own, [a[some] for a in flat], len(some))
+        return (self._blocks(flat, count) + gained).reshape(shape)[()]
+
+    def _over_a_turn(self, own: CompiledAngle, places: Sequence[Reals], count: int) -> Reals:
+        """Return what the form gains over a turn, its values next to both ends continued to these."""
+        near, far = (
+            self._blocks(own.at_end(places, 1, short), count) - self._blocks(own.at_end(places, -1, short), count)
+            for short in (_SHORT, 2 * _SHORT)
+        )
+        return 2 * near - far
+
+    def _blocks(self, places: Sequence[Reals], count: int) -> Reals:
+        import numpy as np
+
+        begins = range(0, max(1, count), _BLOCK)
+        blocks = [self._block([a[k : k + _BLOCK] for a in places], min(_BLOCK, count - k)) for k in begins]
+        return np.concatenate(blocks)
 
     def _block(self, places: Sequence[Reals], count: int) -> Reals:
         import numpy as np

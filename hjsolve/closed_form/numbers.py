@@ -11,17 +11,18 @@ from mpmath import libmp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.regions import (
-    DIGITS,
-    RootInterval,
-    holds_place,
-    middle_of,
-    ordered_real_roots,
-)  # fmt: skip
+from hjsolve.closed_form.regions import DIGITS, holds_place, middle_of, ordered_real_roots
+from hjsolve.closed_form.turns_of_angles import (
+    DIGITS_AT_ENDS,
+    CountedAngle,
+    counted_angles,
+    curves_held,
+    gained_in_a_turn,
+    passing_angles,
+)
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
 from hjsolve.precision import mp, multiprecision
@@ -32,8 +33,6 @@ _TIMES_THE_DIGITS = 1, 4, 16
 """Of a number that is infinite with fewer digits: those of roots that are 1e90 apart, where E is nearly 0."""
 _TIMES_THE_DIGITS_OF_ROOTS = 2, 4, 8, 16
 """Of roots written in radicals, until half of the digits that are asked stay the same: E of 1e-300 is of doubles."""
-_GIVE_A_PLACE = ("inverse", "orbit", "parametric", "anomaly")
-"""Groups of forms that give a coordinate."""
 _DIGITS_OF_EXAMPLE = 30
 """Of what is only put in order."""
 
@@ -54,19 +53,23 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     expression = wanted_form(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
-    turns = whole_turns(form, exact)
-    exact |= {symbol: exact[symbol] - 2 * sp.pi * count for symbol, count in turns.items()}
-    refuse_places(form, exact)
-    for symbol, more in gained_in_a_turn(form, name).items() if any(turns.values()) else ():
-        expression = expression + turns.get(symbol, 0) * more
+    exact, gained = _in_one_turn(form, name, exact)
+    places = _with_turns_passed(form, name, exact, digits + _GUARD)
+    for _, there in places:
+        refuse_places(form, there)
     for times in _TIMES_THE_DIGITS:
         # roots and constants to twice the digits: what differs between both evaluations is lost by the form alone
-        working = 2 * times * (digits + _GUARD)
-        table = many_digits(exact, working) | root_values(form, exact, working, expression.free_symbols)
-        with mp.workdps(working // 2):
-            near = number_of(expression, table)
+        working, near, far = 2 * times * (digits + _GUARD), mp.zero, mp.zero
+        working *= DIGITS_AT_ENDS if len(places) > 1 else 1
+        for count, there in places:
+            table = many_digits(there, working) | root_values(form, there, working, expression.free_symbols)
+            with mp.workdps(working // 2):
+                near += count * number_of(expression, table)
+            with mp.workdps(working):
+                far += count * number_of(expression, table)
         with mp.workdps(working):
-            far = number_of(expression, table)
+            more = number_of(gained, many_digits(exact, working))
+            near, far = near + more, far + more
             if mp.isfinite(far) and mp.isfinite(near):
                 break
     else:
@@ -122,72 +125,41 @@ def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
         raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is outside this regime's motion{turn}")
 
 
-def whole_turns(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, int]:
-    """Return how many whole turns angles, and lower limits that are, lie from the turn of their curve.
-
-    Args:
-        form: of a regime.
-        exact: symbol → exact value, of constants, coordinates and lower limits.
-    """
-    found = dict[sp.Symbol, int]()
-    for curve, symbol, begin in angles_of_turns(form, exact):
-        numbers = many_digits(exact, DIGITS)
-        with mp.workdps(DIGITS):
-            found[symbol] = int(mp.nint((numbers[begin] - middle_of(curve, numbers)) / (2 * mp.pi)))
-    return found
+def _in_one_turn(
+    form: NamedForms, name: str, exact: Mapping[sp.Symbol, sp.Expr]
+) -> tuple[dict[sp.Symbol, sp.Expr], sp.Expr]:  # fmt: skip
+    """Return places with the whole turns taken off that are counted, and what the form gained in these."""
+    moved, gained, gains = dict(exact), sp.S.Zero, gained_in_a_turn(form, name)
+    for own in counted_angles(form, exact):
+        count = _turns(own, exact[own.begin], exact)
+        moved[own.symbol] = exact[own.symbol] - count * own.turn.xreplace(dict(exact))
+        gained += count * gains.get(own.symbol, sp.S.Zero) if count else 0
+    return moved, gained
 
 
-def angles_of_turns(
-    form: NamedForms, held: Iterable[sp.Symbol]
-) -> list[tuple[MomentumCurve, sp.Symbol, sp.Symbol]]:  # fmt: skip
-    """Return the curves of angles and lower limits among symbols, and the symbol that says in which turn each is.
-
-    A libration is in one well, whatever turns are counted; a rotation is counted from its lower limit.
-
-    Args:
-        form: of a regime.
-        held: the symbols.
-    """
-    known, found = set(held), list[tuple[MomentumCurve, sp.Symbol, sp.Symbol]]()
-    for curve, region, symbol in curves_held(form, known):
-        if curve.substitution.closed and curve.coordinate.domain.kind == "angle":
-            begin = form.solution.lower_limits.get(curve.coordinate.name, symbol)
-            found.append((curve, symbol, begin if region.kind == "rotation" and begin in known else symbol))
-    return found
+def _with_turns_passed(
+    form: NamedForms, name: str, exact: Mapping[sp.Symbol, sp.Expr], digits: int
+) -> list[tuple[int, dict[sp.Symbol, sp.Expr]]]:  # fmt: skip
+    """Return places within one turn, and next to its ends as often as it was passed: a form is the sum over these."""
+    inside, passed = dict(exact), list[tuple[int, CountedAngle]]()
+    for own in passing_angles(form, name, exact):
+        count = _turns(own, exact[own.symbol], exact)
+        inside[own.symbol] = exact[own.symbol] - count * own.turn.xreplace(dict(exact))
+        passed += [(count, own)] if count else []
+    places = [(1, inside)]
+    for count, own in passed:
+        half = own.turn * (sp.S.Half - sp.Integer(10) ** -digits)
+        middle, half = (e.xreplace(dict(exact)) for e in (own.middle, half))
+        places += [(side * count, inside | {own.symbol: middle + side * half}) for side in (1, -1)]
+    return places
 
 
-def gained_in_a_turn(form: NamedForms, name: str) -> dict[sp.Symbol, sp.Expr]:
-    """Return what a form gains where an angle moves on by a whole turn, by the symbol of the angle.
-
-    q(t) is counted from q(t₀), and W holds −∫ A dq of a shift A of the momenta, p = P − A. Other forms gain nothing.
-
-    Args:
-        form: of a regime.
-        name: of the quantity.
-    """
-    solution, (group, _, coordinate) = form.solution, name.partition(".")
-    if group in _GIVE_A_PLACE and coordinate in solution.lower_limits:
-        return {solution.lower_limits[coordinate]: 2 * sp.pi}
-    if name != "characteristic_function":
-        return {}
-    shifts = ((solution.system.coordinate(q).symbol, A) for q, A in solution.shift.items() if A != 0)
-    return {q: -sp.integrate(A, (q, -sp.pi, sp.pi)) for q, A in shifts}
-
-
-def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
-    """Return the curves of coordinates and lower limits that are among symbols.
-
-    Args:
-        form: of a regime.
-        held: the symbols.
-    """
-    known = set(held)
-    return [
-        (curve, region, symbol)
-        for curve, region in form.regime.regions
-        for symbol in (curve.coordinate.symbol, form.solution.lower_limits.get(curve.coordinate.name))
-        if symbol in known
-    ]
+def _turns(own: CountedAngle, place: sp.Expr, exact: Mapping[sp.Symbol, sp.Expr]) -> int:
+    """Return how many turns a place is from that of the form."""
+    numbers = many_digits(dict(exact), DIGITS)
+    with mp.workdps(DIGITS):
+        away = number_of(place, numbers) - number_of(own.middle, numbers)
+        return int(mp.nint(away / number_of(own.turn, numbers)))
 
 
 def wanted_form(form: NamedForms, name: str) -> sp.Expr:
