@@ -17,7 +17,7 @@ from hjsolve.closed_form.evaluation import magnitude
 from hjsolve.closed_form.lost_digits import FormInTwoDoubles, lost, lost_in_two_doubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.numbers import angles_of_turns, curves_held, gained_in_a_turn, root_values
+from hjsolve.closed_form.numbers import curves_held, gained_in_a_turn, places_of_turns, root_values
 from hjsolve.closed_form.regions import RootInterval, holds_place, region_exists
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
@@ -250,14 +250,14 @@ class CompiledForm:
         return curves_held(self.form, self.held)
 
     @cached_property
-    def turned(self) -> list[tuple[int, int, _Compiled]]:
-        """Positions of angles among the arguments, of those that count their turns, and the middles of these."""
-        known, found = set(self.symbols), list[tuple[int, int, _Compiled]]()
-        for curve, symbol, begin in angles_of_turns(self.form, self.held):
+    def turned(self) -> list[tuple[int, int, _Compiled, _Compiled]]:
+        """Positions of coordinates among the arguments, of those that count their turns, middles and turns of these."""
+        known, found = set(self.symbols), list[tuple[int, int, _Compiled, _Compiled]]()
+        for curve, symbol, begin, turn in places_of_turns(self.form, self.held):
             middle = curve.substitution.inverse.subs(curve.x, 0)
-            if middle.free_symbols <= known:
+            if (middle.free_symbols | turn.free_symbols) <= known:
                 places = self.symbols.index(symbol), self.symbols.index(begin)
-                found.append((*places, self.regime.compiled(self.symbols, middle)))
+                found.append((*places, *(self.regime.compiled(self.symbols, e) for e in (middle, turn))))
         return found
 
     @cached_property
@@ -265,8 +265,10 @@ class CompiledForm:
         """Position of an angle → what the form gains where it moves on by a whole turn."""
         gains = gained_in_a_turn(self.form, self.name).items()
         return {
-            self.symbols.index(s): self.regime.compiled(self.symbols, e) for s, e in gains if s in self.symbols
-        }  # fmt: skip
+            self.symbols.index(s): self.regime.compiled(self.symbols, e)
+            for s, e in gains
+            if {s, *e.free_symbols} <= set(self.symbols)
+        }
 
     def _gained(self, turns: Mapping[int, Any], numbers: Sequence[Any]) -> Any:
         """Return what the form gained in whole turns."""
@@ -305,9 +307,10 @@ class CompiledForm:
     def one(self, numbers: Sequence[Mpf | float]) -> Mpf:
         """At one place; nan outside the regime."""
         numbers = [*map(mp.mpmathify, numbers)]
-        turns = {k: mp.nint((numbers[of] - middle(*numbers)) / (2 * mp.pi)) for k, of, middle in self.turned}
+        lengths = {k: turn(*numbers) for k, _, _, turn in self.turned}
+        turns = {k: mp.nint((numbers[of] - middle(*numbers)) / lengths[k]) for k, of, middle, _ in self.turned}
         for k, count in turns.items():
-            numbers[k] -= 2 * mp.pi * count
+            numbers[k] -= lengths[k] * count
         given = dict(zip(self.symbols, numbers, strict=True))
         if not self.regime.one_is_inside(given, self.placed):
             return mp.nan
@@ -326,9 +329,10 @@ class CompiledForm:
         shape = places[0].shape if places else ()
         flat = [np.ravel(a) for a in places]
         with np.errstate(all="ignore"):
-            turns = {k: np.rint((flat[of] - middle(*flat)) / (2 * np.pi)) for k, of, middle in self.turned}
+            lengths = {k: turn(*flat) for k, _, _, turn in self.turned}
+            turns = {k: np.rint((flat[of] - middle(*flat)) / lengths[k]) for k, of, middle, _ in self.turned}
         for k, count in turns.items():
-            flat[k] = flat[k] - 2 * np.pi * count
+            flat[k] = flat[k] - lengths[k] * count
         blocks = [
             self._block([a[begin : begin + _BLOCK] for a in flat], min(_BLOCK, math.prod(shape) - begin))
             for begin in range(0, max(1, math.prod(shape)), _BLOCK)

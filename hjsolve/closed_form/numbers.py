@@ -55,7 +55,8 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
     turns = whole_turns(form, exact)
-    exact |= {symbol: exact[symbol] - 2 * sp.pi * count for symbol, count in turns.items()}
+    lengths = {symbol: turn for _, symbol, _, turn in places_of_turns(form, turns)}
+    exact |= {symbol: exact[symbol] - count * lengths[symbol].xreplace(exact) for symbol, count in turns.items()}
     refuse_places(form, exact)
     for symbol, more in gained_in_a_turn(form, name).items() if any(turns.values()) else ():
         expression = expression + turns.get(symbol, 0) * more
@@ -123,41 +124,53 @@ def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
 
 
 def whole_turns(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, int]:
-    """Return how many whole turns angles, and lower limits that are, lie from the turn of their curve.
+    """Return how many whole turns coordinates, and lower limits, lie from the turn of their curve.
 
     Args:
         form: of a regime.
         exact: symbol → exact value, of constants, coordinates and lower limits.
     """
     found = dict[sp.Symbol, int]()
-    for curve, symbol, begin in angles_of_turns(form, exact):
+    for curve, symbol, begin, turn in places_of_turns(form, exact):
         numbers = many_digits(exact, DIGITS)
         with mp.workdps(DIGITS):
-            found[symbol] = int(mp.nint((numbers[begin] - middle_of(curve, numbers)) / (2 * mp.pi)))
+            found[symbol] = int(mp.nint((numbers[begin] - middle_of(curve, numbers)) / number_of(turn, numbers)))
     return found
 
 
-def angles_of_turns(
+def places_of_turns(
     form: NamedForms, held: Iterable[sp.Symbol]
-) -> list[tuple[MomentumCurve, sp.Symbol, sp.Symbol]]:  # fmt: skip
-    """Return the curves of angles and lower limits among symbols, and the symbol that says in which turn each is.
+) -> list[tuple[MomentumCurve, sp.Symbol, sp.Symbol, sp.Expr]]:  # fmt: skip
+    """Return the curves of coordinates and lower limits among symbols, what says in which turn each is, and the turn.
 
-    A libration is in one well, whatever turns are counted; a rotation is counted from its lower limit.
+    A libration of an angle is in one well, whatever turns are counted, one along a line in any cell of the lattice; a
+    rotation is counted from its lower limit.
 
     Args:
         form: of a regime.
         held: the symbols.
     """
-    known, found = set(held), list[tuple[MomentumCurve, sp.Symbol, sp.Symbol]]()
+    known, found = set(held), list[tuple[MomentumCurve, sp.Symbol, sp.Symbol, sp.Expr]]()
     for curve, region, symbol in curves_held(form, known):
-        if curve.substitution.closed and curve.coordinate.domain.kind == "angle":
+        if (turn := _turn(form, curve, region)) is not None:
             begin = form.solution.lower_limits.get(curve.coordinate.name, symbol)
-            found.append((curve, symbol, begin if region.kind == "rotation" and begin in known else symbol))
+            found.append((curve, symbol, begin if region.kind == "rotation" and begin in known else symbol, turn))
     return found
 
 
+def _turn(form: NamedForms, curve: MomentumCurve, region: RootInterval) -> sp.Expr | None:
+    """Return by what a coordinate may be moved without a change of the forms; None where by nothing."""
+    s, angle = curve.substitution, curve.coordinate.domain.kind == "angle"
+    if not s.closed:
+        return None
+    # of a shift A of the momenta nothing is known but that it repeats itself along a whole angle
+    if form.solution.shift[curve.coordinate.name] != 0 or (angle and region.kind == "libration"):
+        return 2 * sp.pi if angle else None
+    return s.turn
+
+
 def gained_in_a_turn(form: NamedForms, name: str) -> dict[sp.Symbol, sp.Expr]:
-    """Return what a form gains where an angle moves on by a whole turn, by the symbol of the angle.
+    """Return what a form gains where a coordinate moves on by a whole turn, by the symbol of the coordinate.
 
     q(t) is counted from q(t₀), and W holds −∫ A dq of a shift A of the momenta, p = P − A. Other forms gain nothing.
 
@@ -167,7 +180,8 @@ def gained_in_a_turn(form: NamedForms, name: str) -> dict[sp.Symbol, sp.Expr]:
     """
     solution, (group, _, coordinate) = form.solution, name.partition(".")
     if group in _GIVE_A_PLACE and coordinate in solution.lower_limits:
-        return {solution.lower_limits[coordinate]: 2 * sp.pi}
+        places = places_of_turns(form, [solution.lower_limits[coordinate]])
+        return {symbol: turn for _, symbol, _, turn in places}
     if name != "characteristic_function":
         return {}
     shifts = ((solution.system.coordinate(q).symbol, A) for q, A in solution.shift.items() if A != 0)
