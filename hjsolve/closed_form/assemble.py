@@ -20,6 +20,7 @@ from hjsolve.closed_form.named_quantities import NamedQuantities, Where, without
 from hjsolve.closed_form.names_of_regime import in_named_rates, names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
+from hjsolve.closed_form.roots_of_quotients import under_one_root
 from hjsolve.closed_form.tidy import (
     LONGEST,
     collected,
@@ -29,7 +30,6 @@ from hjsolve.closed_form.tidy import (
     plain_roots,
     shortened_powers,
 )
-from hjsolve.closed_form.under_one_root import under_one_root
 from hjsolve.closed_form.why_not import Contains, NotFound, OfCoordinate, WhyNot
 
 Integrals = Mapping[str, CoordinateIntegrals]
