@@ -16,11 +16,20 @@ from hjsolve.closed_form.energy_from_actions import solved_for_constants
 from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
-from hjsolve.closed_form.named_quantities import NamedQuantities, Where
+from hjsolve.closed_form.named_quantities import NamedQuantities, Where, without_sign
 from hjsolve.closed_form.names_of_regime import in_named_rates, names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
-from hjsolve.closed_form.tidy import LONGEST, collected, elliptic, longer_than, plain_roots, shortened_powers
+from hjsolve.closed_form.roots_of_quotients import under_one_root
+from hjsolve.closed_form.tidy import (
+    LONGEST,
+    collected,
+    elliptic,
+    longer_than,
+    multiplied_out,
+    plain_roots,
+    shortened_powers,
+)
 from hjsolve.closed_form.why_not import Contains, NotFound, OfCoordinate, WhyNot
 
 Integrals = Mapping[str, CoordinateIntegrals]
@@ -65,7 +74,7 @@ def assembled(context: FormContext, pieces: Integrals, made: Regime, special: Sp
         return in_factors(names.with_named_parts(settled(made, value)))
 
     def in_factors(value: sp.Expr) -> sp.Expr:
-        return names.oriented(with_common_factors(settled(made, value)))
+        return names.oriented(with_common_factors(under_one_root(made, settled(made, value))))
 
     def written(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
         return plain({name: shortened_powers(value.xreplace(short)) for name, value in group.items()})
@@ -76,10 +85,18 @@ def assembled(context: FormContext, pieces: Integrals, made: Regime, special: Sp
     def closed(value: sp.Expr) -> sp.Expr:
         return parted(names.in_brackets(in_moduli(value, names)))
 
+    def place(value: sp.Expr) -> sp.Expr:
+        return in_factors(shortened_powers(in_factors(value)))
+
+    turning = {
+        name: (None if low is None else place(low), None if high is None else place(high))
+        for name, (low, high) in _turning_points(pieces, made).items()
+    }
+    constants = {name: in_factors(_divided(value)) for name, value in constants.items()}
     form = RegimeForms(
         solution, made, None if time_law is None else relation(time_law),
         {name: relation(equation) for name, equation in equations.items()},
-        None if function is None else closed(function), _turning_points(pieces, made),
+        None if function is None else closed(function), turning,
         written(numbers["periods"]), written(numbers["actions"]), written(numbers["frequencies"]),
         written(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly),
         constants.get(context.constants[0].name), where, why_not, constants,
@@ -180,11 +197,21 @@ def _numbers(
     }  # fmt: skip
 
 
+def _divided(value: sp.Expr) -> sp.Expr:
+    """Return −(a + b)/m as −a/m − b/m, where that is shorter; nothing else is multiplied out."""
+    return min(value, sp.expand_mul(value, deep=False), key=sp.count_ops)
+
+
 def _plain_action(J: sp.Expr) -> sp.Expr:
     """Return a sum of roots with (E − U)/√(U − E) as −√(U − E), where that is shorter."""
     J = sp.expand(J)
     roots = [p for p in J.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add]
-    return min(J, plain_roots(J), key=sp.count_ops) if any(p.exp < 0 for p in roots) else J
+    if not any(p.exp < 0 for p in roots):
+        return J
+    plain = plain_roots(J)
+    # L²/|L| in a sum over one denominator is |L| in a sum of terms
+    terms = sp.Add(*map(shortened_powers, sp.Add.make_args(sp.expand_mul(plain))))
+    return min(J, plain, terms, key=sp.count_ops)
 
 
 def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | WhyNot:
@@ -231,7 +258,10 @@ def _size(name: str, rate: sp.Expr, own: CoordinateIntegrals | None, made: Regim
     if rate.is_positive:
         return rate
     plain = sp.Mul(*(f for f in sp.Mul.make_args(rate) if not isinstance(f, sp.sign)))
-    return plain if positive_in(made, plain) else sp.Abs(rate)
+    if positive_in(made, plain):
+        return plain
+    # of each factor by itself: roots are positive where they are real, and |k| is settled where the regime says k > 0
+    return settled(made, without_sign(rate)[0])
 
 
 def _cycle(own: CoordinateIntegrals, key: sp.Symbol) -> sp.Expr | WhyNot:
@@ -296,4 +326,8 @@ def _rates(
         ]
         # J_φ = p_φ: Ω_φ = ∂E/∂p_φ at constant J_n = −Σ Ω_n ∂J_n/∂p_φ
         rate = shortened_powers(sp.Add(*(-Ω[n] * part for n, part in zip(names, given, strict=True))))
-        (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate if elliptic(rate) else sp.factor(rate)
+        if not elliptic(rate):
+            # of a turning frame −Ω + …, each term by itself, is shorter than all over one denominator
+            terms = sp.Add(*map(sp.factor, sp.Add.make_args(shortened_powers(multiplied_out(rate)))))
+            rate = min(sp.factor(rate), terms, key=sp.count_ops)
+        (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate

@@ -29,9 +29,14 @@ def with_common_factors(expression: sp.Expr) -> sp.Expr:
     if not expression.args:
         return expression
     made = expression.func(*map(with_common_factors, expression.args))
-    if made.is_Pow and made.base.is_Add and made.exp.is_Rational:
+    if made.is_Pow and made.exp.is_Rational and (made.base.is_Add or _holds_a_sum(made)):
         return _power(made)
     return _quotient(made) if made.is_Mul else made
+
+
+def _holds_a_sum(power: sp.Pow) -> bool:
+    """Return whether a radicand is a product with a sum in it: √((a m + b m)/w²) is √((a + b) m/w²)."""
+    return bool(power.base.is_Mul and not power.exp.is_Integer and any(f.is_Add for f in power.base.args))
 
 
 @lru_cache(maxsize=4096)
@@ -39,19 +44,23 @@ def _power(power: sp.Pow) -> sp.Expr:
     if longer_than(power.base, LONGEST) or elliptic(power.base):  # K − E is written so that nothing cancels
         return power
     # E L² k⁻² m⁻¹ + ½ under a root is written (2 E L² + k² m)/…: read off at once whether it is positive
-    base = _shortest(power.base, grouped(power.base), _in_groups(factored(power.base)))
-    content, rest = base.as_coeff_Mul()
-    if base is power.base or content < 0:
+    sums = [grouped(power.base)] if power.base.is_Add else []
+    base = _shortest(power.base, *sums, _in_groups(factored(power.base)))
+    content, rest = base.primitive() if base is power.base and base.is_Add else base.as_coeff_Mul()
+    if content < 0:  # −2(a − b) is 2(b − a)
+        content, rest = -content, _turned(rest)
+    if rest is sp.S.NaN or (base is power.base and content == 1):
         return power
     made = content**power.exp * rest**power.exp
-    return min(power, made, key=lambda e: sp.count_ops(e) + operations(e))  # sympy does not count a quotient twice
+    return min(made, power, key=lambda e: sp.count_ops(e) + operations(e))  # sympy does not count a quotient twice
 
 
 @lru_cache(maxsize=4096)
 def _quotient(product: sp.Mul) -> sp.Expr:
     """Return a product with what its numerator and its denominator have in common cancelled, if that saves a fourth."""
     product = _shortest(product, _in_groups(product))
-    whole = [f for f in product.args if f.as_base_exp()[1].is_Integer and not elliptic(f)]
+    # arcs and the like are kept out: their length says nothing of what is saved
+    whole = [f for f in product.args if _rational(f) and not elliptic(f)]
     sums = [f.as_base_exp() for f in whole if f.as_base_exp()[0].is_Add]
     rational = sp.Mul(*whole)
     # one sum has nothing to cancel with, and without a denominator nothing cancels at all
@@ -61,6 +70,12 @@ def _quotient(product: sp.Mul) -> sp.Expr:
     if 4 * operations(made) > 3 * operations(rational):
         return product
     return made * sp.Mul(*(f for f in product.args if f not in whole))
+
+
+def _rational(factor: sp.Expr) -> bool:
+    """Return whether a factor is a whole power of a sum, a symbol or a number."""
+    base, power = factor.as_base_exp()
+    return bool(power.is_Integer and not base.is_Function)
 
 
 def _in_groups(product: sp.Expr) -> sp.Expr:
@@ -108,6 +123,16 @@ def _bracket(part: sp.Expr) -> sp.Expr:
         turned = sp.Add(*(-term for term in odd.args))
         return sp.Mul(-1, *(turned if f is odd else f for f in sp.Mul.make_args(made)))
     return made
+
+
+def _turned(product: sp.Expr) -> sp.Expr:
+    """Return a product with the minus sign in one of its sums; nan where it has no sum."""
+    factors = sp.Mul.make_args(product)
+    sums = [f for f in factors if f.is_Add]
+    if not sums:
+        return sp.S.NaN
+    odd = max(sums, key=lambda f: (sum(term.could_extract_minus_sign() for term in f.args), sp.default_sort_key(f)))
+    return sp.Mul(*(sp.Add(*(-term for term in odd.args)) if f is odd else f for f in factors))
 
 
 def _mostly_negative(total: sp.Expr) -> bool:

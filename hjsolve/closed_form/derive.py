@@ -115,8 +115,11 @@ def form_of_sample(
 
 def _ordering(own: CoordinateIntegrals) -> str:
     """In which well a coordinate moves, or between which of its real roots, where P has named ones."""
-    if own.regions and own.kind == "libration" and (s := own.regions[0][0].substitution).turns > 1:
-        return f"{own.name} about {s.q(sp.S.Zero)}"
+    if own.regions and own.kind == "libration" and (s := own.regions[0][0].substitution).closed:
+        if own.regions[0][0].coordinate.domain.kind != "angle":
+            return f"{own.name} about {s.q(sp.S.Zero)}, or whole periods {s.turn} from there"
+        if s.turns > 1:
+            return f"{own.name} about {s.q(sp.S.Zero)}"
     if not own.regions or own.regions[0][0].degree <= 2:
         return ""
     curve, region = own.regions[0]

@@ -13,7 +13,7 @@ from hjsolve.closed_form.elementary import Antiderivative, BasicIntegral, positi
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase, sign_of_factors
 from hjsolve.closed_form.pieces import monotone_inverse
-from hjsolve.closed_form.tidy import shortened_powers, square_root
+from hjsolve.closed_form.tidy import one_and_product, shortened_powers, square_root
 from hjsolve.errors import required
 
 _CENTRED = {"arcsine": sp.cos, "area sine": sp.sinh, "area cosine right": sp.cosh, "area cosine left": sp.cosh}
@@ -195,7 +195,7 @@ def _centred(basic: BasicIntegral, amount: sp.Expr, u_0: sp.Expr, names: NamedQu
 def _eccentricity(basic: BasicIntegral, names: NamedQuantities) -> sp.Expr:
     """h/c."""
     A, B, C = basic.quadratic
-    square = sp.expand(sp.cancel(1 - 4 * A * C / B**2))
+    square = one_and_product(1 - 4 * A * C / B**2)
     square = -square if basic.kind == "area sine" else square
     sign = sign_of_factors(sp.factor(B)) * (1 if basic.kind == "arcsine" else -1)
     return sign * names.named("e", sp.sqrt(square), positive=True)

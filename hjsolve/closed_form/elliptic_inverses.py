@@ -14,7 +14,7 @@ from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import monotone_inverse
 from hjsolve.closed_form.real_branch_points import FAR, LegendreMap
 from hjsolve.closed_form.tidy import collected, multiplied_out, square_root
-from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN, elliptic
+from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN, elliptic
 
 _FUNCTIONS = {"sn": JacobiSN, "cn": JacobiCN, "dn": JacobiDN}
 
@@ -81,6 +81,21 @@ def place_of_argument(change: EvenMap | LegendreMap, u: sp.Expr, names: NamedQua
     # all four points finite: a fraction of sn², of characteristic ν with s = 1/ν at x = ∞
     n = names.named("nu", names.oriented(change.pole(FAR)), short=SHORT)
     return (change.a - n * change.d * s) / (1 - n * s)
+
+
+def going_round(place: sp.Expr, side: int = 1) -> sp.Expr:
+    """Return a place with am u for asin(sn u) and π/2 ∓ am u for asin(cn u): arcs turn back, a rotation goes on.
+
+    Args:
+        place: of an angle that rotates.
+        side: the sign of u where asin(cn u) is right.
+    """
+    return place.replace(
+        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
+    ).replace(
+        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiCN),
+        lambda e: sp.pi / 2 - side * JacobiAM(*e.args[0].args),
+    )
 
 
 def slope_of_argument(change: EvenMap | LegendreMap, u: sp.Expr, names: NamedQuantities) -> sp.Expr:

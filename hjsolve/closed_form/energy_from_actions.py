@@ -35,15 +35,19 @@ def solved_for_constants(
         why_not: gets the reason where there is none.
 
     Returns:
-        Constant → its formula in symbols J_<coordinate>, E first; empty where E was not found, or a coordinate has
-        no action.
+        Constant → its formula in symbols J_<coordinate>, and in momenta of ignorable coordinates that are no angles, E
+        first; empty where E was not found, or another coordinate has no action.
     """
     constants, system = context.constants, context.solution.system
-    if made.special or any(c.name not in actions for c in system.coordinates):
+    # of a line there is no J: p itself is conserved, as in Landau's levels, which drift across crossed fields
+    lines = {c.momentum for c in context.solution.separation.shell.ignorable if c.domain.kind != "angle"}
+    if made.special or not actions:
+        return {}
+    if any(c.name not in actions and c.momentum not in lines for c in system.coordinates):
         return {}
     named = {c.name: sp.Symbol(f"J_{c.name}", real=True) for c in system.coordinates}
     actions = {name: settled(made, names.written_out(action)) for name, action in actions.items()}
-    known, left = dict[sp.Symbol, sp.Expr](), dict(actions)
+    known, left = {p: sp.sympify(p) for p in lines}, dict(actions)
     while left:
         step = _next(left, known, constants) or _linear(left, known, constants)
         if step is None:
@@ -60,8 +64,9 @@ def solved_for_constants(
     positive = {named[n]: sp.Dummy(positive=True) for n, kind in made.kinds.items() if kind == "libration"}
     found: dict[str, sp.Expr] = {}
     for constant in constants:
-        if (value := known.get(constant)) is not None:
+        if constant not in lines and (value := known.get(constant)) is not None:
             value = sp.factor(value) if value.is_rational_function() else value
+            value = _of_whole_squares(value, names, actions, named)
             back = {d: J for J, d in positive.items()}
             found[constant.name] = settled(made, value.xreplace(positive)).xreplace(back)
     return found
@@ -228,6 +233,29 @@ def _right_one(
             if mp.isfinite(got) and abs(got - numbers[unknown]) <= abs(got) * mp.mpf(10) ** -_AGREE:
                 return min((root, sp.factor(root)), key=sp.count_ops)
     return None
+
+
+def _of_whole_squares(
+    value: sp.Expr, names: NamedQuantities, actions: Mapping[str, sp.Expr], named: Mapping[str, sp.Symbol]
+) -> sp.Expr:  # fmt: skip
+    """Return a formula with J + s in place of √(J² + 2Js + s²), whatever root s is; by its sign at the example."""
+    with mp.workdps(_DIGITS):
+        numbers = dict(names.numbers)
+        numbers |= {named[name]: number_of(other, numbers) for name, other in actions.items()}
+
+        def plain(power: sp.Pow) -> sp.Expr:
+            for J in named.values():
+                if not (power.base.is_polynomial(J) and sp.degree(power.base, J) == 2):
+                    continue
+                a, b, c = sp.Poly(power.base, J).all_coeffs()
+                if not a.is_positive or sp.expand(b**2 - 4 * a * c) != 0:
+                    continue
+                inner = J + sp.expand(b / (2 * a))
+                side = 1 if number_of(inner, numbers) > 0 else -1
+                return (sp.sqrt(a) * side * inner) ** (2 * power.exp)
+            return power
+
+        return value.replace(lambda e: e.is_Pow and e.base.is_Add and e.exp.is_Rational and e.exp.q == 2, plain)
 
 
 def _roots(polynomial: sp.Expr, unknown: sp.Symbol) -> list[sp.Expr]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import mpmath
@@ -17,7 +18,7 @@ from hjsolve.closed_form.elementary_inverses import (
     separatrix_inverse,
     square_root_inverse,
 )
-from hjsolve.closed_form.elliptic_inverses import elliptic_inverse, root_of_square
+from hjsolve.closed_form.elliptic_inverses import elliptic_inverse, going_round, root_of_square
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.even_curves import in_square
 from hjsolve.closed_form.form_context import FormContext, SpecialCase
@@ -39,7 +40,7 @@ from hjsolve.closed_form.why_not import (
     WhyNot,
 )
 from hjsolve.errors import required
-from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
+from hjsolve.functions import JacobiCN
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp
 
@@ -233,7 +234,7 @@ def inverted(
         weight, basic = law.terms[0]
         if isinstance(basic, PairOfComplexPoles):
             raise NoFormError(_why_not_inverted(own, law))
-        x = elementary_inverse(basic, sp.expand(value / weight), s.place.subs(q, start), names)
+        x = elementary_inverse(basic, multiplied_out(value / weight, math.inf), s.place.subs(q, start), names)
     return verified_inverse(own, integral, s.q(x), value, start, names, others)
 
 
@@ -262,7 +263,7 @@ def _elliptic(
     if (
         own.kind == "rotation"
     ):  # asin(sn u) turns back after a quarter of a turn, am u goes on; cn u is even, am u is not
-        found = [_turning(place, side) for side in ((1, -1) if place.has(JacobiCN) else (1,))]
+        found = [going_round(place, side) for side in ((1, -1) if place.has(JacobiCN) else (1,))]
     for one in found:
         try:
             return verified_inverse(own, integral, monotone_inverse(one), value, start, names, others)
@@ -285,16 +286,6 @@ def _through_square(
     # √X goes on with the other sign at X = 0: the phase begins there, where x = ± √X is odd in it
     passed = twice * integral.value.subs(integral.curve.coordinate.symbol, start)
     return root_of_square(change, squared.roots, amount, passed, names)
-
-
-def _turning(place: sp.Expr, side: int) -> sp.Expr:
-    """Return a place with am u for asin(sn u) and π/2 ∓ am u for asin(cn u)."""
-    return place.replace(
-        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
-    ).replace(
-        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiCN),
-        lambda e: sp.pi / 2 - side * JacobiAM(*e.args[0].args),
-    )
 
 
 def _algebraic(

@@ -95,7 +95,10 @@ class NamedQuantities:
             return number_of(explicit, numbers | {s: mp.mpf(k + 3) / 7 for k, s in enumerate(free)})
 
     def oriented(self, expression: sp.Expr) -> sp.Expr:
-        """Return a form with the greater one first in each difference of roots, as the regime orders them."""
+        """Return a form with the greater one first in each difference of roots, as the regime orders them.
+
+        A minus sign of a product goes into a sum that is negative at the regime's motion: k/2(E − c), not −k/2(c − E).
+        """
         return expression.replace(lambda e: e.is_Mul or e.is_Pow, self._oriented)
 
     def _oriented(self, expression: sp.Expr) -> sp.Expr:
@@ -108,6 +111,14 @@ class NamedQuantities:
             if difference and number_of(base, numbers) < 0:
                 factor, turned = sp.Add(*(-term for term in base.args)) ** power, turned * (-1) ** int(power)
             factors.append(factor)
+        lead = turned * sp.Mul(*(f for f in factors if f.is_number))
+        if lead.is_negative:
+            for n, factor in enumerate(factors):
+                base, power = factor.as_base_exp()
+                odd = base.is_Add and power.is_Integer and power % 2 and base.free_symbols <= self.numbers.keys()
+                if odd and not elliptic(base) and number_of(base, self.numbers) < 0:
+                    factors[n], turned = sp.Add(*(-term for term in base.args)) ** power, -turned
+                    break
         whole = sp.Mul(*factors) if turned > 0 else sp.Mul(-1, *factors)
         return expression if tuple(factors) == sp.Mul.make_args(expression) else whole
 

@@ -103,11 +103,23 @@ def _without_known_signs(relations: list[sp.Basic]) -> list[sp.Basic]:
                 rest = None if rest is None else rest.xreplace(names)
                 same = rest is not None and sp.expand(rest.lhs - rest.rhs) in (sp.expand(r.lhs), sp.expand(-r.lhs))
                 r = r if same else rest
+            if r is not None and _side(r) and r.rhs == 0:
+                r = _without_signed_sums(r, relations)
             if r is not None and r not in shorter:
                 shorter.append(r)
         if shorter == relations:
             return relations
         relations = shorter
+
+
+def _without_signed_sums(relation: sp.Basic, relations: list[sp.Basic]) -> sp.Basic | None:
+    """Leave out of a product the sums whose signs other relations say: g l (E + a) > 0 is g l > 0 where E + a > 0."""
+    sums = {r.lhs - r.rhs: _side(r) for r in relations if _side(r) and r != relation and (r.lhs - r.rhs).is_Add}
+    rest, side = sp.S.One, _side(relation)
+    for factor in sp.Mul.make_args(relation.lhs):
+        known = sums.get(factor, 0) or -sums.get(-factor, 0)
+        rest, side = (rest, side * known) if known else (rest * factor, side)
+    return relation if rest == relation.lhs else plain_relation(rest, side)
 
 
 def _side(relation: sp.Basic) -> int:
@@ -130,7 +142,7 @@ def plain_relation(expression: sp.Expr, sign: int) -> sp.Basic | None:
         expression: of the constants.
         sign: its sign.
     """
-    rest = sp.S.One
+    rest, squares = sp.S.One, list[sp.Expr]()
     for factor in sp.Mul.make_args(sp.factor(expression)):
         if factor.is_positive:
             continue
@@ -140,13 +152,13 @@ def plain_relation(expression: sp.Expr, sign: int) -> sp.Basic | None:
         base, power = factor.as_base_exp()
         # a square says that it is not zero, and nothing of the sign
         if power.is_Integer and power % 2 == 0:
-            rest *= sp.Abs(base) if rest == 1 and len(sp.Mul.make_args(expression)) < 2 else sp.S.One
-            if base.is_nonzero is None and rest == 1:
-                rest *= base**2
+            squares.append(base)
             continue
         rest *= base
     if rest == 1:
-        return None
+        # next to another factor a square says nothing that is not said elsewhere
+        unknown = [base for base in squares if base.is_nonzero is None]
+        return sp.Ne(unknown[0], 0) if unknown else None
     if rest.is_nonnegative and sign > 0:
         base = rest.as_base_exp()[0]
         return sp.Ne(base.args[0] if isinstance(base, sp.Abs) else base, 0)

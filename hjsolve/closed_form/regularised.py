@@ -31,7 +31,7 @@ from hjsolve.closed_form.elementary import (
     elementary_antiderivative,
     positive_root,
 )
-from hjsolve.closed_form.elliptic_inverses import in_moduli, place_of_argument, slope_of_argument
+from hjsolve.closed_form.elliptic_inverses import going_round, in_moduli, place_of_argument, slope_of_argument
 from hjsolve.closed_form.even_curves import EvenMap, even_integral
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities
@@ -42,7 +42,7 @@ from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regime import plain_relation, sign_is_fixed
 from hjsolve.closed_form.regions import RootInterval
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.tidy import square_root
+from hjsolve.closed_form.tidy import one_and_product, square_root
 from hjsolve.closed_form.verification import sample_numbers, value_at
 from hjsolve.precision import mp
 
@@ -71,7 +71,11 @@ class Regularised:
         self.signs = Signs(own.sample.values, self.region.place)
         self.signs.name({s: sp.Float(v, 50) for s, v in sample_numbers(own).items() if s not in own.sample.values})
         self.x, self.root, self.amount, self.begin = self._parametrised(s.place.subs(q, start))
-        self.place: sp.Expr = s.q(self.x)
+        self.place: sp.Expr = self._place()
+
+    def _place(self) -> sp.Expr:
+        """q(ξ)."""
+        return self.curve.substitution.q(self.x)
 
     def _parametrised(self, x_0: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
         """x(ξ), √P, ∫ dx/√P, and the ξ of a place, on the branch on which q grows."""
@@ -108,10 +112,29 @@ class EllipticArgument(Regularised):
         else:
             φ_0 = sp.asin(sp.sqrt(self.names.oriented(sp.factor(change.s(x_0)))))
         self.change, self.direction = change, change.direction * self.direction
+        if isinstance(change, EvenMap) and self.own.kind == "rotation":
+            φ_0 = φ_0.replace(  # of a place more than a quarter of a turn from the top too
+                lambda e: isinstance(e, sp.acos) and isinstance(e.args[0], sp.sin),
+                lambda e: sp.pi / 2 - e.args[0].args[0],
+            )
         # u = F(φ) at the lower limit, x(u) and dx/du from sn, cn and dn
         u_0, x = sp.elliptic_f(monotone_inverse(φ_0), change.k**2), place_of_argument(change, self.ξ, self.names)
         slope = slope_of_argument(change, self.ξ, self.names)
         return x, change.direction * change.rate * slope, change.direction * self.ξ / change.rate, u_0
+
+    def _place(self) -> sp.Expr:
+        place = super()._place()
+        if self.own.kind != "rotation":
+            return place
+        place = going_round(place)
+        slope, m = sp.diff(place, self.ξ), self.change.k**2
+        with mp.workdps(30):
+            K = mp.ellipk(value_at(self.names.written_out(m), self.names.numbers))
+            at = [self.names.numbers | {self.ξ: (n + mp.mpf("0.5")) * K} for n in range(-4, 4)]
+            slopes = [value_at(self.names.written_out(slope), numbers) for numbers in at]
+        if len({mp.sign(one) for one in slopes}) > 1:
+            raise NoFormError("the angle by sn u turns back after a part of a turn")
+        return place
 
     def integral(self, key: sp.Symbol) -> sp.Expr:
         """∫ ∂p/∂c dq as a function of the parameter."""
@@ -204,7 +227,7 @@ class Anomaly(Regularised):
             self.wave = (wave, middle, side * h)
             return middle + side * h * wave(self.ξ), side * (x_0 - middle) / h, h
         # e = h/|c|, so that of Kepler e² = 1 + 2EL²/mk²
-        e = self.names.named("e", sp.sqrt(sp.expand(sp.cancel(square / centre**2))), positive=True)
+        e = self.names.named("e", sp.sqrt(one_and_product(square / centre**2)), positive=True)
         a = self.names.named("a", sign * centre, positive=True)
         self.e, self.wave = e, (wave, sign * a, side * a * e)
         return a * (sign + side * e * wave(self.ξ)), side * (x_0 / a - sign) / e, a * e
@@ -272,7 +295,11 @@ class Anomaly(Regularised):
             return sign * rate * (ξ - 2 * sp.atan(above)) / w
         # |b| > |a|: of a pole between the roots of P, tanh; else artanh
         if abs(b_n) > abs(a_n):
-            return sign * rate * 2 * sp.atan((sign * b - sign * a) / w * sp.tanh(ξ / 2)) / w
+            slope = (sign * b - sign * a) / w
+            if self.e != 0 and r == 0:
+                # (|b| ∓ a)/√(b² − a²) of r = a (e cosh ξ ∓ 1): tan ½ν = √((e ± 1)/(e ∓ 1)) tanh ½ξ
+                slope = (sp.sqrt(self.e + 1) / sp.sqrt(self.e - 1)) ** (-1 if a_n * b_n > 0 else 1)
+            return sign * rate * 2 * sp.atan(slope * sp.tanh(ξ / 2)) / w
         if not a_n * b_n > 0:
             raise NoFormError("the integral is not smooth in the anomaly")
         return sign * rate * 2 * sp.atanh((sign * a - sign * b) / w * sp.tanh(ξ / 2)) / w

@@ -214,12 +214,33 @@ def _hyperbolic(square: sp.Expr, q: sp.Symbol, lower: sp.Expr, upper: sp.Expr, x
             a: X ** sp.cancel(slope / κ) * (sp.exp(δ) if middle == 0 else 1)
             for a, slope, δ in zip(atoms, slopes, offsets, strict=True)
         }
-        function, w = sp.cancel(sp.together(plain.xreplace(table))), κ * (q - middle)
+        function = sp.cancel(sp.together(plain.xreplace(table)))
         if function.has(q):
             return
-        ends = tuple(scaled_end(κ, end if end in (sp.oo, -sp.oo) else end - middle) for end in (lower, upper))
-        for found in (*_both_exponentials(function, κ, w, ends, x), *_even_hyperbolic(function, κ, w, ends, x)):
-            yield replace(found, condition=condition_on(κ), inverse=found.inverse + middle)
+        for multiple, of_multiple in _doubled(function):
+            rate, w = multiple * κ, multiple * κ * (q - middle)
+            ends = tuple(scaled_end(rate, end if end in (sp.oo, -sp.oo) else end - middle) for end in (lower, upper))
+            for found in (
+                *_both_exponentials(of_multiple, rate, w, ends, x),
+                *_even_hyperbolic(of_multiple, rate, w, ends, x),
+            ):
+                yield replace(found, condition=condition_on(κ), inverse=found.inverse + middle)
+
+
+def _doubled(function: sp.Expr) -> Iterator[tuple[int, sp.Expr]]:
+    """Yield a function of X = e^w by itself, and those of e^{2w}, e^{4w} … that it is too, as tanh² w of cosh 2w."""
+    multiple = 1
+    yield multiple, function
+    top, bottom = sp.fraction(function)
+    while not any(n % 2 for part in (top, bottom) for (n,) in sp.Poly(part, X).monoms()) and function.has(X):
+        top, bottom = (_of_square(part) for part in (top, bottom))
+        multiple, function = 2 * multiple, top / bottom
+        yield multiple, function
+
+
+def _of_square(even: sp.Expr) -> sp.Expr:
+    """Return an even polynomial of X as one of X²."""
+    return sp.Add(*(c * X ** (n // 2) for (n,), c in sp.Poly(even, X).terms()))
 
 
 def _both_exponentials(

@@ -69,13 +69,14 @@ def operations(expression: sp.Expr, limit: float = math.inf) -> int:
     return count
 
 
-def multiplied_out(expression: sp.Expr) -> sp.Expr:
+def multiplied_out(expression: sp.Expr, limit: float = LONGEST) -> sp.Expr:
     """Return a product multiplied out, but not a long one, and not inside functions.
 
     Args:
         expression: of a form.
+        limit: of operations, above which it is given back.
     """
-    if longer_than(expression, LONGEST):
+    if longer_than(expression, limit):
         return expression
     inside = {f: sp.Dummy(real=True) for f in _outermost(expression)}
     return sp.expand(expression.xreplace(inside)).xreplace({name: f for f, name in inside.items()})
@@ -207,6 +208,16 @@ def in_factors(expression: sp.Expr) -> sp.Expr:
         expression: rational in symbols and roots.
     """
     return sp.factor(sp.cancel(sp.together(expression)))
+
+
+def one_and_product(value: sp.Expr) -> sp.Expr:
+    """Return 1 + a product, as books write the square of an eccentricity: 1 + 2EL²/mk²; a sum, where that is shorter.
+
+    Args:
+        value: rational in symbols and roots.
+    """
+    value = sp.cancel(sp.together(value))
+    return min(sp.expand(value), 1 + sp.factor(value - 1), key=sp.count_ops)
 
 
 def plain_roots(expression: sp.Expr) -> sp.Expr:

@@ -49,10 +49,10 @@ class CountedAngle(NamedTuple):
 
 
 def counted_angles(form: NamedForms, held: Iterable[sp.Symbol]) -> list[CountedAngle]:
-    """Return the angles and lower limits among symbols that count turns.
+    """Return the angles and lower limits among symbols that count turns; and places along lattices, which count cells.
 
-    A libration is in one well, whatever turns are counted; a rotation is counted from its lower limit, and so is a
-    motion along a line on which P² repeats itself.
+    A libration of an angle is in one well, whatever turns are counted. A rotation is counted from its lower limit, and
+    so is a motion along a line: its cell is not another one.
 
     Args:
         form: of a regime.
@@ -63,13 +63,15 @@ def counted_angles(form: NamedForms, held: Iterable[sp.Symbol]) -> list[CountedA
         coordinate, rotates = curve.coordinate, region.kind == "rotation"
         if any(own.symbol == symbol for own in found):  # of another curve of the coordinate, over the same turn
             continue
-        if not curve.substitution.closed or not (rotates or coordinate.domain.kind == "angle"):
+        angle, turn = coordinate.domain.kind == "angle", curve.substitution.turn
+        # A of a shift p = P − A repeats itself along a whole angle, and need not repeat itself with P²
+        shifted = form.solution.shift.get(coordinate.name, sp.S.Zero) != 0
+        if not curve.substitution.closed or (shifted and not angle):
             continue
         begin = form.solution.lower_limits.get(coordinate.name, symbol)
-        # A of a shift p = P − A need not repeat itself with P²
-        plain = rotates and form.solution.shift.get(coordinate.name, sp.S.Zero) == 0
-        turn = curve.substitution.turn if plain else 2 * sp.pi
-        found.append(CountedAngle(curve, symbol, begin if rotates and begin in known else symbol, turn))
+        counts = begin in known and (rotates or not angle)
+        whole = angle and (shifted or not rotates)
+        found.append(CountedAngle(curve, symbol, begin if counts else symbol, 2 * sp.pi if whole else turn))
     return found
 
 
@@ -82,7 +84,10 @@ def passing_angles(form: NamedForms, name: str, held: Iterable[sp.Symbol]) -> li
         held: the symbols.
     """
     found = list[CountedAngle]()
+    rotating = {id(curve) for curve, region in form.regime.regions if region.kind == "rotation"}
     for own in counted_angles(form, held) if name.partition(".")[0] in _SUMS else ():
+        if id(own.curve) not in rotating:
+            continue
         turn = own.curve.substitution.turn
         # W holds ∫ A dq of a shift, which repeats itself with the angle alone
         again = name != "characteristic_function" or turn == own.turn
