@@ -43,7 +43,7 @@ class RegimeForms(Shown):
             the orbit equation of the separation constant (Liouville's τ, Mino's time); zero at the lower limits.
         anomaly: coordinate, or t → q(ξ) and t(ξ) where t(q) cannot be solved for q: ξ is the eccentric anomaly of an
             ellipse, its hyperbolic twin, or tan ν/2 of a parabola; q grows where ξ is positive.
-        energy: E as a function of the actions J_<name>, and of momenta of ignorable coordinates that are no angles; None
+        energy: E as a function of the actions J_<name>, and momenta of ignorable coordinates that are no angles; None
             where it was not solved for.
         where: symbol → its definition: an expression, or (polynomial, index of the real root).
         why_not: quantity → why there is no form of it: a proof as data, or what was not found (``why_not.py``).
