@@ -166,7 +166,8 @@ def frame_of(
     actions = {c.name: momenta.get(c.name, sp.S.Zero) for c in other.system.coordinates}
     known = own | {c.momentum: actions[c.name] for c in other.system.coordinates if c.name not in other.coordinates}
     walls = {name: (False, False) if name in poles else walls_of(other, name, known) for name in other.coordinates}
-    asked = asked_torus(other, own, actions, digits, frozenset(), exact=True, walls=walls)
+    size = float(to_bits(hbar)(64))
+    asked = asked_torus(other, own, actions, digits, frozenset(), exact=True, walls=walls, action=size)
     circuits = tuple(circuits_of(other, name, asked.values, poles.get(name)) for name in other.coordinates)
     gone_round = tuple(name for name in solution.coordinates if name not in other.coordinates)
     return ContinuedFrame(other, asked, hbar, circuits, gone_round, {})

@@ -184,3 +184,48 @@ def test_table_and_ladder():
     axes = found.plot()
     assert len(axes.lines) == 5
     assert sum(line.get_linestyle() == "--" for line in axes.lines) == 3
+
+
+def in_many_digits(found, exact):
+    """Whether energies are those of a closed form of n within their errors, atol = 0."""
+    with mp.workdps(40):
+        for n, level in enumerate(found):
+            assert abs(level.energy.value - exact(n)) <= level.energy.error, n
+
+
+HBAR = "1.054571817e-34"
+ATOM = {"k": 500, "m": "1.6e-27"}
+
+
+@pytest.mark.nightly
+def test_oscillators_in_si_units_have_all_their_levels():
+    """No level was found of an atom in metres: all places that were looked at lay above the greatest energy."""
+    system = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "k*x**2/2", ATOM)
+    found = hjsolve.levels(system, HBAR, up_to="2e-19")
+    with mp.workdps(40):
+        quantum = mp.mpf(HBAR) * mp.sqrt(500 / mp.mpf("1.6e-27"))
+    assert len(found) == 3
+    in_many_digits(found, lambda n: quantum * (n + mp.mpf(1) / 2))
+
+
+@pytest.mark.nightly
+def test_quartic_levels_in_si_units_are_those_of_the_closed_form():
+    """J = (2/π) √(2m) E^¾ (1/k)^¼ B(¼, ³⁄₂)/4 of V = k x⁴."""
+    system = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "k*x**4", {"k": "2.5e22", "m": "1.6e-27"})
+    found = hjsolve.levels(system, HBAR, up_to="1e-19")
+    with mp.workdps(40):
+        unit = 2 / mp.pi * mp.sqrt(2 * mp.mpf("1.6e-27")) / mp.root(mp.mpf("2.5e22"), 4)
+        unit *= mp.beta(mp.mpf(1) / 4, mp.mpf(3) / 2) / 4
+    assert len(found) == 4
+    in_many_digits(found, lambda n: mp.power((n + mp.mpf(1) / 2) * mp.mpf(HBAR) / unit, mp.mpf(4) / 3))
+
+
+def test_morse_levels_in_si_units():
+    values = {"D": "7.4e-19", "a": "1.9e10", "m": "1.6e-27"}
+    system = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "D*(1 - exp(-a*x))**2", values)
+    found = hjsolve.levels(system, HBAR, up_to="2e-19")
+    with mp.workdps(40):
+        D, a, m = (mp.mpf(values[name]) for name in values)
+        w = mp.mpf(HBAR) * a * mp.sqrt(2 * D / m)
+    assert len(found) == 4
+    in_many_digits(found, lambda n: w * (n + mp.mpf(1) / 2) - (w * (n + mp.mpf(1) / 2)) ** 2 / (4 * D))
