@@ -121,20 +121,19 @@ class ContinuedFrame:
                 break
         return found
 
-    def reach(self, circuits: tuple[Circuit, ...], samples: Sequence[SampledActions]) -> Reals | None:
-        """Return the greatest actions of some circuits on samples, shape (n,); None where no sample follows them.
+    def actions_seen(self, circuits: tuple[Circuit, ...], samples: Sequence[SampledActions]) -> Reals | None:
+        """Return the actions of the samples that follow some circuits, shape (n, s); None where none does.
 
         Args:
             samples: of this frame.
         """
-        most: Reals | None = None
+        found = []
         for table in samples:
             for s in range(len(table.energies)):
                 rows = zip(table.low[:, s], table.high[:, s], table.rotations[:, s], strict=True)
                 if self._meant(circuits, [(float(low), float(high), bool(round_)) for low, high, round_ in rows]):
-                    own = table.actions[:, s] / [circuit.multiple for circuit in circuits]
-                    most = own if most is None else np.maximum(most, own)
-        return most
+                    found.append(table.actions[:, s] / [circuit.multiple for circuit in circuits])
+        return np.stack(found, axis=1) if found else None
 
 
 def frame_of(

@@ -229,3 +229,48 @@ def test_morse_levels_in_si_units():
         w = mp.mpf(HBAR) * a * mp.sqrt(2 * D / m)
     assert len(found) == 4
     in_many_digits(found, lambda n: w * (n + mp.mpf(1) / 2) - (w * (n + mp.mpf(1) / 2)) ** 2 / (4 * D))
+
+
+@pytest.mark.parametrize(("stiffness", "up_to", "count"), [("500", "20", 1), ("500", "200", 6), ("5e5", "2e4", 20)])
+def test_a_narrow_well_far_from_zero_has_all_its_levels(stiffness, up_to, count):
+    """No place that was looked at lay below the greatest energy, and no level was found."""
+    found = hjsolve.levels(hjsolve.System({"x": "line"}, "dot(x)**2/2", f"{stiffness}*(x - 10)**2"), up_to=up_to)
+    assert len(found) == count
+    in_many_digits(found, lambda n: mp.sqrt(2 * mp.mpf(stiffness)) * (n + mp.mpf(1) / 2))
+
+
+@pytest.mark.nightly
+def test_a_steep_well_does_not_end_the_count_of_those_that_join_above_a_barrier():
+    """With ħ = ¼ the steep well has E₁ > 3, and two shallow ones join at n = 2: their levels from there on were lost."""
+    V = "50*(x + 4)**2*(x**2 - 1)**2/(100*(x + 4)**2 + (x**2 - 1)**2/2)"
+    found = hjsolve.levels(hjsolve.System({"x": "line"}, "dot(x)**2/2", V), "0.25", up_to=3)
+    assert [level.numbers["x"] for level in found] == [0, 0, 2, 3, 4, 5, 6, 0, 7, 8, 9]
+    anomaly = (np.arange(4000) + 0.5) * np.pi / 4000
+    for level in found:
+        low, high = level.wells["x"]
+        x = (low + high) / 2 - (high - low) / 2 * np.cos(anomaly)
+        p = np.sqrt(np.maximum(2 * (level.energy.value - eval(V, {"x": x})), 0))  # noqa: S307 (a formula of this file)
+        J = np.mean(p * np.sin(anomaly)) * (high - low) / 2
+        np.testing.assert_allclose(J, (level.numbers["x"] + 0.5) / 4, rtol=1e-10, atol=0)
+
+
+def test_a_flux_through_a_ring_moves_the_numbers_of_low_energy():
+    """E = (m − 5.3)²/2: m = 0 lies far above, and no level was found."""
+    found = hjsolve.levels(hjsolve.System({"phi": "angle"}, "dot(phi)**2/2 + 53/10*dot(phi)", "0"), up_to=1)
+    assert [level.numbers["phi"] for level in found] == [5, 6, 4]
+    np.testing.assert_allclose(energies(found), [0.045, 0.245, 0.845], rtol=1e-15, atol=0)
+
+
+def test_a_flux_besides_an_oscillator():
+    ring = hjsolve.System({"x": "line", "phi": "angle"}, "(dot(x)**2 + dot(phi)**2)/2 + 3*dot(phi)", "x**2/2")
+    found = hjsolve.levels(ring, up_to="1.01")
+    assert [(level.numbers["phi"], level.energy.value) for level in found] == [(3, 0.5), (2, 1.0), (4, 1.0)]
+
+
+def test_angles_that_T_couples_have_their_levels_along_a_line():
+    """E = n + ½ + k²/1.99 for m = (k, k); m = (1, 0) has E = 25 and is no way from (0, 0) to (1, 1)."""
+    T = "dot(x)**2/2 + (dot(a)**2 + dot(b)**2)/2 + 99/100*dot(a)*dot(b)"
+    found = hjsolve.levels(hjsolve.System({"x": "line", "a": "angle", "b": "angle"}, T, "x**2/2"), up_to=3)
+    exact = sorted(n + 0.5 + k * k / 1.99 for n in range(3) for k in range(-3, 4) if n + 0.5 + k * k / 1.99 <= 3)
+    assert all(level.numbers["a"] == level.numbers["b"] for level in found)
+    np.testing.assert_allclose(energies(found), exact, rtol=1e-15, atol=0)

@@ -103,5 +103,5 @@ def _bends(logarithms: Reals, octaves: int) -> Mask:
     """
     with np.errstate(invalid="ignore"):
         powers = np.diff(logarithms.reshape(len(logarithms), 2, octaves), axis=2) / 2
-        bends: Mask = (np.abs(np.diff(powers, axis=2)) > _BEND).any(axis=(0, 1))
+        bends = np.asarray((np.abs(np.diff(powers, axis=2)) > _BEND).any(axis=(0, 1)))
     return bends & ~np.concatenate([[False], bends[:-1]])
