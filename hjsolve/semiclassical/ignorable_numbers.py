@@ -1,8 +1,8 @@
 """Which quantum numbers of ignorable coordinates have motions below an energy: not always those about m = 0.
 
 The effective potential (``Shell.potential``) is the least energy at a place for given ignorable momenta c, and of
-second degree in them: V(q; c) = V₀ + b·c + ½ c·K c. Where T holds linear terms (a magnetic flux through a ring) it is least
-at c = −K⁻¹ b, far from 0; where K couples two momenta, those of low energy lie along a line.
+second degree in them: V(q; c) = V₀ + b·c + ½ c·K c. Where T holds linear terms (a magnetic flux through a ring) it is
+least at c = −K⁻¹ b, far from 0; where K couples two momenta, those of low energy lie along a line.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _SAMPLES = 900
 """Places at which the effective potential is looked at, about."""
 _ROUNDS, _CLOSER = 3, 33
 """How often the neighbourhood of the lowest place is looked at more closely, and at how many places along each axis."""
-_MOST = 20000
+_MOST_SETS = 20000
 """Sets of quantum numbers that are tried, at most."""
 
 
@@ -141,7 +141,7 @@ def _below(
     middle, room = seen.middle, limit - seen.least
     reach = np.sqrt(2 * room[:, None] * np.einsum("sii->si", np.linalg.inv(seen.K)))
     ends = np.floor(np.min((middle - reach) / hbar, axis=0)), np.ceil(np.max((middle + reach) / hbar, axis=0))
-    if not np.isfinite(ends).all() or np.prod(ends[1] - ends[0] + 1) > _MOST:
+    if not np.isfinite(ends).all() or np.prod(ends[1] - ends[0] + 1) > _MOST_SETS:
         return [tuple(round(x) for x in middle[int(np.argmax(room))] / hbar)]
     choices = [c or range(int(a), int(z) + 1) for a, z, c in zip(*ends, chosen, strict=True)]
     sets = list(itertools.product(*choices))

@@ -362,8 +362,8 @@ class _Counting:
     def _others_beyond(self, begun: tuple[int, ...]) -> bool:
         """Tell whether samples below the greatest energy have actions as large as some numbers.
 
-        What is joined above a barrier begins at larger numbers than its wells have, and may lie below what is left of
-        the numbers of a steeper well.
+        Motions above a barrier begin at larger numbers than its two wells have. Their energies may be below those of a
+        steep third well, which has the smaller numbers too.
         """
         if self.reach is None:
             return False

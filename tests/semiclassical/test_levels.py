@@ -249,7 +249,7 @@ def test_a_steep_well_does_not_end_the_count_of_those_that_join_above_a_barrier(
     for level in found:
         low, high = level.wells["x"]
         x = (low + high) / 2 - (high - low) / 2 * np.cos(anomaly)
-        p = np.sqrt(np.maximum(2 * (level.energy.value - eval(V, {"x": x})), 0))  # noqa: S307 (a formula of this file)
+        p = np.sqrt(np.maximum(2 * (level.energy.value - eval(V, {"x": x})), 0))
         J = np.mean(p * np.sin(anomaly)) * (high - low) / 2
         np.testing.assert_allclose(J, (level.numbers["x"] + 0.5) / 4, rtol=1e-10, atol=0)
 
