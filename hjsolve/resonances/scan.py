@@ -180,14 +180,17 @@ def _chains(
     done: list[list[_Point]] = []
     for u in grid:
         here = [w for w in wells_of(curves, family.in_doubles(u)) if _allowed(curves, w, kinds)]
-        after = []
+        # a chain goes on where no two wells join and none is cut in two: then it ends, and others begin
+        going_on, after = set[int](), []
         for wells in here:
             before = [chain for chain in live if _same(curves, chain[-1][1], wells)]
-            after.append([*(before[0] if len(before) == 1 else []), (float(u), wells)])
-        kept = {id(chain) for chain in live if any(_same(curves, chain[-1][1], w) for w in here)}
-        done += [
-            chain for chain in live if id(chain) not in kept or sum(_same(curves, chain[-1][1], w) for w in here) > 1
-        ]
+            one = before[0] if len(before) == 1 else []
+            if one and sum(_same(curves, one[-1][1], w) for w in here) == 1:
+                going_on.add(id(one))
+                after.append([*one, (float(u), wells)])
+            else:
+                after.append([(float(u), wells)])
+        done += [chain for chain in live if id(chain) not in going_on]
         live = after
     return done + live
 

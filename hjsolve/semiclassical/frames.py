@@ -121,20 +121,19 @@ class ContinuedFrame:
                 break
         return found
 
-    def reach(self, circuits: tuple[Circuit, ...], samples: Sequence[SampledActions]) -> Reals | None:
-        """Return the greatest actions of some circuits on samples, shape (n,); None where no sample follows them.
+    def actions_seen(self, circuits: tuple[Circuit, ...], samples: Sequence[SampledActions]) -> Reals | None:
+        """Return the actions of the samples that follow some circuits, shape (n, s); None where none does.
 
         Args:
             samples: of this frame.
         """
-        most: Reals | None = None
+        found = []
         for table in samples:
             for s in range(len(table.energies)):
                 rows = zip(table.low[:, s], table.high[:, s], table.rotations[:, s], strict=True)
                 if self._meant(circuits, [(float(low), float(high), bool(round_)) for low, high, round_ in rows]):
-                    own = table.actions[:, s] / [circuit.multiple for circuit in circuits]
-                    most = own if most is None else np.maximum(most, own)
-        return most
+                    found.append(table.actions[:, s] / [circuit.multiple for circuit in circuits])
+        return np.stack(found, axis=1) if found else None
 
 
 def frame_of(
@@ -166,7 +165,8 @@ def frame_of(
     actions = {c.name: momenta.get(c.name, sp.S.Zero) for c in other.system.coordinates}
     known = own | {c.momentum: actions[c.name] for c in other.system.coordinates if c.name not in other.coordinates}
     walls = {name: (False, False) if name in poles else walls_of(other, name, known) for name in other.coordinates}
-    asked = asked_torus(other, own, actions, digits, frozenset(), exact=True, walls=walls)
+    size = float(to_bits(hbar)(64))
+    asked = asked_torus(other, own, actions, digits, frozenset(), exact=True, walls=walls, action=size)
     circuits = tuple(circuits_of(other, name, asked.values, poles.get(name)) for name in other.coordinates)
     gone_round = tuple(name for name in solution.coordinates if name not in other.coordinates)
     return ContinuedFrame(other, asked, hbar, circuits, gone_round, {})

@@ -8,10 +8,12 @@ families have the same actions, wells or both sides of a barrier, each gives a l
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
@@ -29,6 +31,7 @@ from hjsolve.motion.tori.polish import Torus
 from hjsolve.motion.tori.search import Candidate
 from hjsolve.precision import one_at_a_time
 from hjsolve.semiclassical.frames import ContinuedFrame, FoundTorus, frame_of, interval, overlapping
+from hjsolve.semiclassical.ignorable_numbers import numbers_to_begin_with
 from hjsolve.semiclassical.level import Level, Levels
 from hjsolve.semiclassical.maslov_indices import LIBRATION, ROTATION, Circuit
 from hjsolve.solution.quadratures import Solution, solve
@@ -154,19 +157,20 @@ class _Search:
         return [c.name for c in self.solution.system.coordinates if c.name not in self.solution.coordinates]
 
     def everything(self, skipped: list[str]) -> Iterator[Level]:
-        """Yield all levels: outward from m = 0, as long as there are tori below the greatest energy.
+        """Yield all levels: outward from the m of least energy, as long as there are tori below the greatest energy.
 
         Args:
             skipped: filled with what is left out.
         """
         names = self.ignorable
         given = [self.chosen.get(name) for name in names]
-        if all(choice is not None for choice in given):
+        if self.limit is None or all(choice is not None for choice in given):
             for m in itertools.product(*(choice or () for choice in given)):
                 yield from self._of(dict(zip(names, m, strict=True)), skipped)[0]
             return
         mirrored = _is_even(self.solution)
-        waiting, seen = [tuple(0 if c is None else c[0] for c in given)], set()
+        waiting = numbers_to_begin_with(self.solution, self.values, self.hbar, self.limit, given)[::-1]
+        seen = set[tuple[int, ...]]()
         while waiting:
             m = waiting.pop()
             opposite = tuple(-k for k in m)
@@ -229,9 +233,12 @@ class _Search:
             ends = ", ".join(itertools.compress(frame.solution.coordinates, samples[0].at_ends))
             skipped.append(f"{zero}: {ends} falls into an end of its domain at which p^2 is infinite")
         found: list[Level] = []
+        # a well that is narrower than samples are apart has none below the greatest energy
+        anywhere = frame.sampled(None)
         for circuits in itertools.product(*frame.circuits):
-            reach = frame.reach(circuits, samples)
-            if reach is not None or all(name in self.chosen for name in frame.solution.coordinates):
+            reach = frame.actions_seen(circuits, samples)
+            all_chosen = all(name in self.chosen for name in frame.solution.coordinates)
+            if reach is not None or all_chosen or frame.actions_seen(circuits, anywhere) is not None:
                 found += _Counting(self, frame, circuits, m, turns, reach).levels()
         first = not any((*m.values(), *turns.values()))
         return found, bool(found) or first or self.limit is None or any(len(table.energies) for table in samples)
@@ -304,7 +311,11 @@ def _is_even(solution: Solution) -> bool:
 
 @dataclass(frozen=True)
 class _Counting:
-    """The levels of one circuit of the cycles, for some ignorable momenta."""
+    """The levels of one circuit of the cycles, for some ignorable momenta.
+
+    Attributes:
+        reach: actions of samples below the greatest energy, shape (n, s); None where none follows the circuits.
+    """
 
     search: _Search
     frame: ContinuedFrame
@@ -319,31 +330,47 @@ class _Counting:
         self._count((), found)
         return found
 
-    def _tried(self, k: int) -> Iterator[int]:
-        """Return the numbers to try along a coordinate, without signs."""
+    def _tried(self, k: int) -> tuple[Iterable[int], float]:
+        """Return the numbers to try along a coordinate, without signs, and up to which one some may have no torus."""
         name, circuit = self.frame.solution.coordinates[k], self.circuits[k]
         chosen = self.search.chosen.get(name)
         if chosen is not None:
             signed = circuit.direction if circuit.limit_kind == ROTATION else 1
-            yield from sorted({abs(n) for n in chosen if signed * n >= circuit.first})
-            return
-        hbar = float(to_bits(self.search.hbar)(64))
-        reach = 0.0 if self.reach is None else self.reach[k] / hbar
-        yield from range(circuit.first, int(_MORE * reach) + _SPARE + circuit.first)
+            return sorted({abs(n) for n in chosen if signed * n >= circuit.first}), math.inf
+        if self.reach is None:
+            return itertools.count(circuit.first), circuit.first
+        most = float(np.max(self.reach[k])) / float(to_bits(self.search.hbar)(64))
+        return itertools.count(circuit.first), int(_MORE * most) + _SPARE + circuit.first
 
     def _count(self, begun: tuple[int, ...], found: list[Level]) -> float | None:
         """Add the levels whose first numbers are given; return the least energy of their first tori."""
         if len(begun) == len(self.circuits):
             return self._add(begun, found)
-        least = None
-        for n in self._tried(len(begun)):
+        least, limit = None, math.inf if self.search._roughly is None else self.search._roughly
+        numbers, last = self._tried(len(begun))
+        for n in numbers:
             lowest = self._count((*begun, n), found)
-            if lowest is None:
-                continue
-            least = lowest if least is None else min(least, lowest)
-            if self.search.limit is not None and lowest > float(to_bits(self.search.limit)(64)):
-                break
+            if lowest is not None:
+                least = lowest if least is None else min(least, lowest)
+            if lowest is None or lowest > limit:
+                # samples may lie too wide apart to show a narrow well: as long as there are levels, more are tried
+                ended = n >= last if lowest is None else not self._others_beyond((*begun, n))
+                if ended:
+                    break
         return least
+
+    def _others_beyond(self, begun: tuple[int, ...]) -> bool:
+        """Tell whether samples below the greatest energy have actions as large as some numbers.
+
+        Motions above a barrier begin at larger numbers than its two wells have. Their energies may be below those of a
+        steep third well, which has the smaller numbers too.
+        """
+        if self.reach is None:
+            return False
+        hbar = self.search.hbar
+        pairs = zip(self.circuits, begun, strict=False)
+        least = np.array([abs(float(to_bits(circuit.action(k, hbar))(64))) for circuit, k in pairs])
+        return bool(np.any(np.all(self.reach[: len(begun)] >= least[:, None], axis=0)))
 
     def _add(self, n: tuple[int, ...], found: list[Level]) -> float | None:
         tori = self._tori(n)

@@ -276,3 +276,27 @@ def test_orbits_next_to_a_centre_have_their_tori(actions, angles):
     state = motion.at(0)
     for name in ("xi", "eta"):
         assert abs(batch.q[name][0] - state.q[name]) <= batch.error["q"][name][0] + state.error.q[name]
+
+
+# an atom in a bond, SI: nothing of it is 1e-6 wide or wider, and its actions were said to have no torus
+BOND = {"D": "7.4e-19", "a": "1.9e10", "m": "1.6e-27"}
+MORSE_IN_METRES = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "D*(1 - exp(-a*x))**2", BOND)
+
+
+@pytest.mark.parametrize("J", ["1e-36", "5e-35", "2e-33", "2.56e-33"])
+def test_actions_of_an_atom_in_metres_have_their_torus(J):
+    """E = ω J − (ω J)²/4D with ω = a √(2 D/m) (Morse 1929)."""
+    motion = hjsolve.solve(MORSE_IN_METRES).motion(actions={"x": J}, want=["actions"])
+    with mp.workdps(40):
+        D, a, m = (mp.mpf(BOND[name]) for name in BOND)
+        w = a * mp.sqrt(2 * D / m) * mp.mpf(J)
+        exact = w - w**2 / (4 * D)
+        assert abs(motion.constants["E"].value - exact) <= motion.constants["E"].error
+
+
+def test_wells_an_angstrom_apart_are_listed():
+    values = {"D": "7e-20", "b": "1e-10", "m": "1.6e-27"}
+    wells = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "D*(x**2/b**2 - 1)**2", values)
+    with pytest.raises(hjsolve.InvalidInputError, match="several tori") as said:
+        hjsolve.solve(wells).motion(actions={"x": "1e-34"})
+    assert str(said.value).count("libration from") == 2

@@ -175,3 +175,18 @@ def test_a_resonance_of_nearly_circular_geodesics(kerr):
 def test_a_resonance_of_kerr_s_geodesics_to_the_separatrix(kerr, r, theta, a, e, x):
     motion = kerr.torus(ratio={"r": r, "theta": theta}, fixed={"a": a, "e": e, "x": x})
     np.testing.assert_allclose(ratio(motion, "r", "theta"), r / theta, rtol=1e-14, atol=0)
+
+
+def test_wells_that_join_above_a_barrier_have_their_tori_too():
+    """Only the motion above the barrier was found: the wells below it were forgotten where they join."""
+    wells = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/4 - x**2/2 + x/20")
+    found = hjsolve.solve(wells).torus(frequencies={"x": "1.2"})
+    assert [(motion.turning_points["x"][0].value > 0, motion.turning_points["x"][1].value > 0) for motion in found] == [
+        (False, False), (True, True), (False, True),
+    ]  # fmt: skip
+    for motion in found:
+        low, high = (end.value for end in motion.turning_points["x"])
+        anomaly = (np.arange(400) + 0.5) * np.pi / 400
+        x = (low + high) / 2 - (high - low) / 2 * np.cos(anomaly)
+        p = np.sqrt(2 * (motion.constants["E"].value - x**4 / 4 + x**2 / 2 - x / 20))
+        np.testing.assert_allclose(1 / np.mean(np.sin(anomaly) / p * (high - low) / 2), 1.2, rtol=1e-9, atol=0)

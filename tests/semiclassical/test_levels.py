@@ -184,3 +184,93 @@ def test_table_and_ladder():
     axes = found.plot()
     assert len(axes.lines) == 5
     assert sum(line.get_linestyle() == "--" for line in axes.lines) == 3
+
+
+def in_many_digits(found, exact):
+    """Whether energies are those of a closed form of n within their errors, atol = 0."""
+    with mp.workdps(40):
+        for n, level in enumerate(found):
+            assert abs(level.energy.value - exact(n)) <= level.energy.error, n
+
+
+HBAR = "1.054571817e-34"
+ATOM = {"k": 500, "m": "1.6e-27"}
+
+
+@pytest.mark.nightly
+def test_oscillators_in_si_units_have_all_their_levels():
+    """No level was found of an atom in metres: all places that were looked at lay above the greatest energy."""
+    system = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "k*x**2/2", ATOM)
+    found = hjsolve.levels(system, HBAR, up_to="2e-19")
+    with mp.workdps(40):
+        quantum = mp.mpf(HBAR) * mp.sqrt(500 / mp.mpf("1.6e-27"))
+    assert len(found) == 3
+    in_many_digits(found, lambda n: quantum * (n + mp.mpf(1) / 2))
+
+
+@pytest.mark.nightly
+def test_quartic_levels_in_si_units_are_those_of_the_closed_form():
+    """J = (2/π) √(2m) E^¾ (1/k)^¼ B(¼, ³⁄₂)/4 of V = k x⁴."""
+    system = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "k*x**4", {"k": "2.5e22", "m": "1.6e-27"})
+    found = hjsolve.levels(system, HBAR, up_to="1e-19")
+    with mp.workdps(40):
+        unit = 2 / mp.pi * mp.sqrt(2 * mp.mpf("1.6e-27")) / mp.root(mp.mpf("2.5e22"), 4)
+        unit *= mp.beta(mp.mpf(1) / 4, mp.mpf(3) / 2) / 4
+    assert len(found) == 4
+    in_many_digits(found, lambda n: mp.power((n + mp.mpf(1) / 2) * mp.mpf(HBAR) / unit, mp.mpf(4) / 3))
+
+
+def test_morse_levels_in_si_units():
+    values = {"D": "7.4e-19", "a": "1.9e10", "m": "1.6e-27"}
+    system = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "D*(1 - exp(-a*x))**2", values)
+    found = hjsolve.levels(system, HBAR, up_to="2e-19")
+    with mp.workdps(40):
+        D, a, m = (mp.mpf(values[name]) for name in values)
+        w = mp.mpf(HBAR) * a * mp.sqrt(2 * D / m)
+    assert len(found) == 4
+    in_many_digits(found, lambda n: w * (n + mp.mpf(1) / 2) - (w * (n + mp.mpf(1) / 2)) ** 2 / (4 * D))
+
+
+@pytest.mark.parametrize(("stiffness", "up_to", "count"), [("500", "20", 1), ("500", "200", 6), ("5e5", "2e4", 20)])
+def test_a_narrow_well_far_from_zero_has_all_its_levels(stiffness, up_to, count):
+    """No place that was looked at lay below the greatest energy, and no level was found."""
+    found = hjsolve.levels(hjsolve.System({"x": "line"}, "dot(x)**2/2", f"{stiffness}*(x - 10)**2"), up_to=up_to)
+    assert len(found) == count
+    in_many_digits(found, lambda n: mp.sqrt(2 * mp.mpf(stiffness)) * (n + mp.mpf(1) / 2))
+
+
+@pytest.mark.nightly
+def test_a_steep_well_does_not_end_the_count_of_those_that_join_above_a_barrier():
+    """With ħ = ¼ the steep well has E₁ > 3, and two shallow ones join at n = 2: their levels from there on were lost."""
+    V = "50*(x + 4)**2*(x**2 - 1)**2/(100*(x + 4)**2 + (x**2 - 1)**2/2)"
+    found = hjsolve.levels(hjsolve.System({"x": "line"}, "dot(x)**2/2", V), "0.25", up_to=3)
+    assert [level.numbers["x"] for level in found] == [0, 0, 2, 3, 4, 5, 6, 0, 7, 8, 9]
+    anomaly = (np.arange(4000) + 0.5) * np.pi / 4000
+    for level in found:
+        low, high = level.wells["x"]
+        x = (low + high) / 2 - (high - low) / 2 * np.cos(anomaly)
+        p = np.sqrt(np.maximum(2 * (level.energy.value - eval(V, {"x": x})), 0))
+        J = np.mean(p * np.sin(anomaly)) * (high - low) / 2
+        np.testing.assert_allclose(J, (level.numbers["x"] + 0.5) / 4, rtol=1e-10, atol=0)
+
+
+def test_a_flux_through_a_ring_moves_the_numbers_of_low_energy():
+    """E = (m − 5.3)²/2: m = 0 lies far above, and no level was found."""
+    found = hjsolve.levels(hjsolve.System({"phi": "angle"}, "dot(phi)**2/2 + 53/10*dot(phi)", "0"), up_to=1)
+    assert [level.numbers["phi"] for level in found] == [5, 6, 4]
+    np.testing.assert_allclose(energies(found), [0.045, 0.245, 0.845], rtol=1e-15, atol=0)
+
+
+def test_a_flux_besides_an_oscillator():
+    ring = hjsolve.System({"x": "line", "phi": "angle"}, "(dot(x)**2 + dot(phi)**2)/2 + 3*dot(phi)", "x**2/2")
+    found = hjsolve.levels(ring, up_to="1.01")
+    assert [(level.numbers["phi"], level.energy.value) for level in found] == [(3, 0.5), (2, 1.0), (4, 1.0)]
+
+
+def test_angles_that_T_couples_have_their_levels_along_a_line():
+    """E = n + ½ + k²/1.99 for m = (k, k); m = (1, 0) has E = 25 and is no way from (0, 0) to (1, 1)."""
+    T = "dot(x)**2/2 + (dot(a)**2 + dot(b)**2)/2 + 99/100*dot(a)*dot(b)"
+    found = hjsolve.levels(hjsolve.System({"x": "line", "a": "angle", "b": "angle"}, T, "x**2/2"), up_to=3)
+    exact = sorted(n + 0.5 + k * k / 1.99 for n in range(3) for k in range(-3, 4) if n + 0.5 + k * k / 1.99 <= 3)
+    assert all(level.numbers["a"] == level.numbers["b"] for level in found)
+    np.testing.assert_allclose(energies(found), exact, rtol=1e-15, atol=0)

@@ -67,6 +67,7 @@ class AskedTorus:
 def asked_torus(
     solution: Solution, values: Mapping[sp.Symbol, sp.Expr], actions: Mapping[str, sp.Expr], digits: int,
     parts: frozenset[str], *, exact: bool, walls: Mapping[str, tuple[bool, bool]] | None = None,
+    action: float | None = None,
 ) -> AskedTorus:  # fmt: skip
     """Put together what the search for a torus needs.
 
@@ -78,6 +79,7 @@ def asked_torus(
         parts: what is integrated.
         exact: False where some input was a float.
         walls: separated coordinate → which ends of its domain throw it back (lower, upper); none where left out.
+        action: the size of actions that matter, > 0; None where it is not known.
     """
     values, constants = dict(values), {}
     for c in solution.system.coordinates:
@@ -85,7 +87,7 @@ def asked_torus(
             # J of an ignorable angle is its momentum, and where it is does not matter to the torus
             values |= {c.symbol: sp.Integer(0), c.momentum: actions[c.name]}
             constants[c.momentum.name] = actions[c.name]
-    curves = tuple(curves_of(solution, values, walls or {})) if solution.coordinates else ()
+    curves = tuple(curves_of(solution, values, walls or {}, action)) if solution.coordinates else ()
     return AskedTorus(solution, values, constants, actions, digits, parts | {"action", "time"}, exact, curves)
 
 

@@ -21,6 +21,7 @@ from hjsolve.arithmetic.root_finding import stationary
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.motion.initial_data import domain_ends, to_bits
+from hjsolve.motion.tori.lengths import natural_length
 from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.solution.quadratures import Solution
 
@@ -48,6 +49,7 @@ class RadicandCurve:
         lower, upper: ends of the domain; infinite where there are none.
         turn: period of p² along q where the coordinate is an angle or a line along which p² repeats itself; else 0.
         walls: whether the lower and the upper end of the domain throw the coordinate back.
+        length: on which p² bends along a line, a power of two: about 1e-10 for an atom in metres.
     """
 
     name: str
@@ -59,6 +61,7 @@ class RadicandCurve:
     upper: float
     turn: float
     walls: tuple[bool, bool] = (False, False)
+    length: float = 1.0
 
     def value(self, q: Reals, κ: Reals) -> Reals:
         """Return p² at places, NaN where the formula has no real value.
@@ -124,7 +127,7 @@ class RadicandCurve:
             return self.upper - scales[::-1]
         # a line has no end next to which zeros crowd: fewer scales do
         half = np.unique(2.0 ** np.concatenate([np.linspace(-20, 30, 51), np.linspace(-5, 5, 61)]))
-        return np.concatenate([-half[::-1], [0.0], half])
+        return self.length * np.concatenate([-half[::-1], [0.0], half])
 
 
 @dataclass(frozen=True)
@@ -148,13 +151,15 @@ class Cycle:
 
 
 def curves_of(
-    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], walls: Mapping[str, tuple[bool, bool]]
-) -> list[RadicandCurve]:
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], walls: Mapping[str, tuple[bool, bool]],
+    action: float | None = None,
+) -> list[RadicandCurve]:  # fmt: skip
     """Make the curves of all separated coordinates.
 
     Args:
         values: symbol of a parameter → exact number.
         walls: coordinate → which ends of its domain throw it back; none where left out.
+        action: of the motions that are looked for, roughly, > 0; None where it is not known.
     """
     constants = tuple(c.symbol for c in solution.constants.values())
     parameters = tuple(p.symbol for p in solution.system.parameters)
@@ -176,7 +181,9 @@ def curves_of(
         exact = tuple(values[p] for p in parameters)
         numbers = tuple(float(to_bits(x)(64)) for x in exact)
         hard = walls.get(name, (False, False))
-        result.append(RadicandCurve(name, squared, kernels, exact, numbers, ends[0], ends[1], turn, hard))
+        on_a_line = not turn and not np.isfinite(ends).any()
+        length = natural_length((squared, kernels), exact, len(constants), action) if on_a_line else 1.0
+        result.append(RadicandCurve(name, squared, kernels, exact, numbers, ends[0], ends[1], turn, hard, length))
     return result
 
 
@@ -283,7 +290,8 @@ def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float, s
 def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> float | None:
     """Return the first zero of p² on one side of a place; None where p² > 0 as far as it was looked."""
     end = curve.upper if side > 0 else curve.lower
-    natural = min(max(abs(top), 1e-3), abs(end - top)) if np.isfinite(end) else max(abs(top), 1e-3)
+    natural = max(abs(top), 1e-3 * curve.length)
+    natural = min(natural, abs(end - top)) if np.isfinite(end) else natural
     away = natural * _REACH
     if np.isfinite(end):
         # half the way by multiples, the rest by halves of what is left: zeros crowd at an end that is a pole

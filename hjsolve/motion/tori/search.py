@@ -332,7 +332,7 @@ def _cycles(
 
 def _same(curves: Sequence[RadicandCurve], one: Candidate, other: Candidate) -> bool:
     """Return whether two candidates are one torus: the same constants and wells."""
-    if not np.allclose(one.constants, other.constants, rtol=1e-6, atol=1e-12):
+    if not np.allclose(one.constants, other.constants, rtol=1e-6, atol=1e-12 * min(np.max(np.abs(one.constants)), 1)):
         return False
     for curve, a, b in zip(curves, one.cycles, other.cycles, strict=True):
         apart = abs(a.top - b.top)
