@@ -44,7 +44,7 @@ def elliptic(expression: sp.Expr) -> bool:
     return bool(expression.has(*ELLIPTIC))
 
 
-def longer_than(expression: sp.Expr, limit: int) -> bool:
+def longer_than(expression: sp.Expr, limit: float) -> bool:
     """Return whether a formula has more operations than a limit.
 
     Args:
