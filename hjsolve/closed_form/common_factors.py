@@ -126,9 +126,9 @@ def _bracket(part: sp.Expr) -> sp.Expr:
 
 
 def _turned(product: sp.Expr) -> sp.Expr:
-    """Return a product with the minus sign in one of its sums; nan where it has no sum."""
+    """Return a product with the minus sign in a difference among its factors; nan where it has none."""
     factors = sp.Mul.make_args(product)
-    sums = [f for f in factors if f.is_Add]
+    sums = [f for f in factors if f.is_Add and any(term.could_extract_minus_sign() for term in f.args)]
     if not sums:
         return sp.S.NaN
     odd = max(sums, key=lambda f: (sum(term.could_extract_minus_sign() for term in f.args), sp.default_sort_key(f)))
