@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import sympy as sp
@@ -88,15 +88,11 @@ def assembled(context: FormContext, pieces: Integrals, made: Regime, special: Sp
     def place(value: sp.Expr) -> sp.Expr:
         return in_factors(shortened_powers(in_factors(value)))
 
-    turning = {
-        name: (None if low is None else place(low), None if high is None else place(high))
-        for name, (low, high) in _turning_points(pieces, made).items()
-    }
     constants = {name: in_factors(_divided(value)) for name, value in constants.items()}
     form = RegimeForms(
         solution, made, None if time_law is None else relation(time_law),
         {name: relation(equation) for name, equation in equations.items()},
-        None if function is None else closed(function), turning,
+        None if function is None else closed(function), _turning_points(pieces, made, place),
         written(numbers["periods"]), written(numbers["actions"]), written(numbers["frequencies"]),
         written(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly),
         constants.get(context.constants[0].name), where, why_not, constants,
@@ -225,15 +221,18 @@ def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | Wh
     return cycle - 2 * sp.pi * sp.Add(*(term for term in terms if not term.has(z)))
 
 
-def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr | None, sp.Expr | None]]:
-    """Return the roots of P between which each coordinate moves, as places q."""
+def _turning_points(
+    pieces: Integrals, made: Regime, written: Callable[[sp.Expr], sp.Expr]
+) -> dict[str, tuple[sp.Expr | None, sp.Expr | None]]:
+    """Return the roots of P between which each coordinate moves, as places q, written as people read them."""
     found = dict[str, tuple[sp.Expr | None, sp.Expr | None]]()
     for name, own in pieces.items():
         if not own.regions or own.roots is None:
             continue
         (curve, region), roots = own.regions[0], own.roots
         s = curve.substitution
-        ends = [settled(made, s.q(roots[k])) if what == "root" else None for what, k in (region.lower, region.upper)]
+        sides = region.lower, region.upper
+        ends = [written(settled(made, s.q(roots[k]))) if what == "root" else None for what, k in sides]
         if any(end is not None for end in ends):
             low, high = ends if s.increasing else reversed(ends)
             found[name] = (low, high)
