@@ -25,20 +25,13 @@ from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, model_in_units, rounded_exponents
 from hjsolve.ensembles.to_states.narrow_tori import narrow_librations
-from hjsolve.ensembles.to_states.newton_on_actions import (
-    ROUNDS,
-    SOON,
-    Asked,
-    Goals,
-    Solved,
-    constants_of_tori,
-    roughly_known,
-)
+from hjsolve.ensembles.to_states.newton_on_actions import Asked, Solved
 from hjsolve.ensembles.to_states.other_wells import in_the_wells_meant
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
-from hjsolve.ensembles.to_states.seeds import Scales, Seeds, alone, begun, nearest, seeds_of, some_first
+from hjsolve.ensembles.to_states.searches import found_again, found_from_seeds
+from hjsolve.ensembles.to_states.seeds import Scales, Seeds, seeds_of
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
-from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, AngleTask, Tori, unknown_of
+from hjsolve.ensembles.to_states.tori import AngleTask, unknown_of
 from hjsolve.ensembles.to_states.wells import Landscape
 from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -52,13 +45,6 @@ _FARTHEST_EXPONENT = 1000
 
 _CHUNK, _LEAST_CHUNK = 32768, 8192
 """Orbits that one thread treats at a time: half of them, for two threads, but not fewer than the second number."""
-_LEFT_OVER = 20
-"""The last of so many orbits start again together with others."""
-_AGAIN = 3
-"""How often orbits that are left over start again from the nearest that are solved."""
-_DENIED = 2
-"""Searches that ended before a separatrix, after which an orbit is not sought again at last: of 1 300 geodesics and
-195 orbits about two centres none was found then, of those denied once one of 126."""
 _NEAR_UNIT = 2.0**8
 """How far from a length of its own, by what factor, a coordinate is looked for."""
 _TOLERANCE, _OF_PLACE = 1e-6, 2.0**-40
@@ -251,20 +237,19 @@ def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers
         some = np.flatnonzero(_possible(J, pattern))
         if len(some):
             mine = seeds.take((seeds.shells.rotations == np.array(pattern)[:, None]).all(axis=0))
-            wanted = Asked.of(model, J[:, some], momenta[:, some], pattern)
-            one = _Search(
-                pattern, some, mine, wanted, *_from_seeds(ready.angles, mine, wanted, everyone=len(told) == 1)
-            )
-            _again(ready.angles, one, one.sought)
+            hints = _hints(task, model, index[some])
+            wanted = Asked.of(model, J[:, some], momenta[:, some], pattern, hints)
+            found_ = found_from_seeds(ready.angles, mine, wanted, everyone=len(told) == 1)
+            one = _Search(pattern, some, mine, wanted, *found_)
+            found_again(ready.angles, mine, wanted, one.solved, one.sought)
             searches.append(one)
             none[some[one.solved.good]] = False
     done, ambiguous = (np.zeros(len(index), dtype=bool) for _ in range(2))
     for one in searches:
         some, solved = one.orbits, one.solved
         # an orbit that no kind of motion has next to others is sought among all
-        _again(ready.angles, one, none[some] & ~one.sought)
-        hints = _hints(task, model, index[some])
-        several = in_the_wells_meant(ready.landscape, one.seeds, solved, one.wanted, hints)
+        found_again(ready.angles, one.seeds, one.wanted, solved, none[some] & ~one.sought)
+        several = in_the_wells_meant(ready.landscape, one.seeds, solved, one.wanted)
         twice = several | (solved.good & done[some])
         ambiguous[some[twice]] = True
         done[some[solved.good]] = True
@@ -317,69 +302,6 @@ def _possible(J: Reals, pattern: tuple[bool, ...]) -> Mask:
     for row, rotates in zip(J, pattern, strict=True):
         fine &= (row != 0) if rotates else (row >= 0)
     return fine
-
-
-def _from_seeds(task: AngleTask, seeds: Seeds, wanted: Asked, *, everyone: bool) -> tuple[Solved, Mask]:
-    """Find constants of tori from the nearest seeds; of many orbits those of some, where the others begin.
-
-    Args:
-        everyone: whether all orbits are sought, or only those next to one that has a torus of this kind.
-
-    Returns:
-        The tori, and which were sought.
-    """
-    goals, sizes = wanted.goals, wanted.sizes
-    solved, sought = Solved.none(task, sizes.shape[1]), np.ones(sizes.shape[1], dtype=bool)
-    few, rest = some_first(np.arange(sizes.shape[1]))
-    for part in (few, rest):
-        if part is rest and len(rest):  # these begin at those, which lie where the batch does
-            found = few[solved.good[few]]
-            seeds = seeds.joined(Seeds(solved.tori.take(found), solved.actions.take(found), sizes[:, found]))
-            if not everyone:
-                beside = solved.good[few[nearest(sizes[:, few], sizes[:, rest])]].any(axis=0)
-                sought[rest] = beside | alone(sizes[:, few], sizes[:, rest])
-        some = part[sought[part]]
-        begin = begun(seeds, nearest(seeds.actions, sizes[:, some]), wanted.take(some))
-        solved.put(some, constants_of_tori(task, begin, goals.take(some), SOON, few=len(some) // _LEFT_OVER))
-    return solved, sought
-
-
-def _again(task: AngleTask, search: _Search, which: Mask) -> None:
-    """Find tori that took long, or were not sought, from the nearest that were found."""
-    seeds, wanted, solved = search.seeds, search.wanted, search.solved
-    goals, everything = wanted.goals, wanted.sizes
-    new, denied = np.ones(len(which), dtype=bool), solved.denied.astype(np.int64)
-    for attempt in range(_AGAIN):
-        good = np.flatnonzero(solved.good)
-        last = attempt == _AGAIN - 1 or not len(good)
-        lost = np.flatnonzero(~solved.good & which & ~(last & (denied >= _DENIED)))
-        if not len(lost) or (attempt and not len(good)):  # from the same tori a search ends as it did
-            break
-        pool = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, good]) if len(good) else seeds
-        near = nearest(pool.actions, everything[:, lost])[: 1 if last else None]
-        if not last:  # between the same neighbours a search ends as it did
-            changed = new[good[near]].any(axis=0)
-            lost, near = lost[changed], near[:, changed]
-        begin = begun(pool, near, wanted.take(lost))
-        solved.put(lost, _roughly_first(task, begin, goals.take(lost), last=last))
-        denied[lost] += solved.denied[lost]
-        new = solved.good.copy()
-        new[good] = False
-
-
-def _roughly_first(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, *, last: bool) -> Solved:
-    """Find the constants of tori most of which do not exist: a few digits of them tell at a third of the price."""
-    rounds = ROUNDS if last else SOON
-    found = constants_of_tori(task, begin, goals, rounds, rough=True)
-    # at last the same search with proved integrals, where rough ones say nothing
-    some = np.flatnonzero((found.good | ~found.denied) if last else found.good)
-    met, goals = found.good[some], goals.take(some)
-    known, own = roughly_known(found.take(some), goals), (begin[0].take(some), begin[1][:, some])
-    start = Tori(*(np.where(met, *both) for both in zip(known[0], own[0], strict=True)))
-    stages = np.where(met, EXACT, DOUBLES)
-    found.good[:] = False
-    found.put(some, constants_of_tori(task, (start, np.where(met, known[1], own[1])), goals, rounds, stages=stages))
-    return found
 
 
 def _written(

@@ -96,26 +96,35 @@ class Asked(NamedTuple):
         goals: of the separated coordinates.
         momenta: of the ignorable angles, which are constants; shape (angles, n).
         places: positions of these among the constants.
+        hints: of each coordinate a place in the well that is meant, NaN where none is given; shape (separated, n).
     """
 
     goals: Goals
     momenta: Reals
     places: list[int]
+    hints: Reals
 
     @classmethod
-    def of(cls, model: Model, J: Reals, momenta: Reals, pattern: tuple[bool, ...]) -> Asked:
+    def of(cls, model: Model, J: Reals, momenta: Reals, pattern: tuple[bool, ...], hints: Reals | None = None) -> Asked:
         """Write what Newton's method is to reach, and which constants it may change.
 
         Args:
             J: actions of the separated coordinates, signed; shape (separated, n).
             momenta: of the ignorable angles.
             pattern: which coordinates are to go round.
+            hints: places in the wells that are meant; None where no well is.
         """
+        hints = np.full(J.shape, np.nan) if hints is None else hints
         places = [model.ignorable[name] for name in model.angles]
         unknown = np.array([j for j in range(len(model.constants)) if j not in places])
         rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
         scale = np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0)
-        return cls(Goals(np.abs(J), rotating, scale, unknown), momenta, places)
+        return cls(Goals(np.abs(J), rotating, scale, unknown), momenta, places, hints)
+
+    @property
+    def hinted(self) -> bool:
+        """Whether a well is meant of any orbit."""
+        return bool(np.isfinite(self.hints).any())
 
     @property
     def sizes(self) -> Reals:
@@ -124,7 +133,7 @@ class Asked(NamedTuple):
 
     def take(self, index: Integers) -> Asked:
         """Return those of some orbits."""
-        return Asked(self.goals.take(index), self.momenta[:, index], self.places)
+        return Asked(self.goals.take(index), self.momenta[:, index], self.places, self.hints[:, index])
 
 
 class Solved(NamedTuple):

@@ -17,14 +17,15 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import place
+from hjsolve.ensembles.engine.kernels.neighbours import PlacesOfWells
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.narrow_tori import ROWS
 from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Goals, Solved, constants_of_tori, roughly_known
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
-from hjsolve.ensembles.to_states.seeds import Seeds, alone, begun, nearest, nearest_apart, some_first
+from hjsolve.ensembles.to_states.seeds import Seeds, alone, begun, nearest, nearest_in, some_first
 from hjsolve.ensembles.to_states.tori import EXACT, AngleTask, Tori, joined
-from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
+from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori, turns_of
 
 _ROUNDS = 2 * SOON
 """Evaluations of J from a start in another well."""
@@ -32,23 +33,22 @@ _AS_NEAR = 2.0
 """How far off, in logarithms of actions, a random torus may be to begin with: a factor of 7."""
 
 
-def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wanted: Asked, hints: Reals) -> Mask:
+def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wanted: Asked) -> Mask:
     """Look into other wells, and leave out tori that are not where they are meant to be.
 
     Args:
         landscape: the system.
         seeds: random tori that librate and rotate as wanted.
         solved: the tori found of n orbits; others are written into it.
-        wanted: their actions.
-        hints: of each coordinate a place in the well that is meant, NaN where none is given; shape (separated, n).
+        wanted: their actions, and the wells that are meant.
 
     Returns:
         Which orbits have several tori where they are meant to be.
     """
-    several = np.zeros(hints.shape[1], dtype=bool)
-    good, hinted = np.flatnonzero(solved.good), bool(np.isfinite(hints).any())
-    if len(good) and (hinted or any(landscape.several)):
-        search = _Search.of(landscape, seeds, solved.take(good), wanted.take(good), hints[:, good])
+    several = np.zeros(len(solved.good), dtype=bool)
+    good = np.flatnonzero(solved.good)
+    if len(good) and (wanted.hinted or any(landscape.several)):
+        search = _Search.of(landscape, seeds, solved.take(good), wanted.take(good))
         search.run()
         several[good] = search.several
         solved.put(good, search.chosen.solved)
@@ -60,7 +60,7 @@ class _Search:
     """A search of n orbits for their other tori.
 
     Attributes:
-        landscape, seeds, asked, hints: of ``in_the_wells_meant``.
+        landscape, seeds, asked: of ``in_the_wells_meant``.
         first, last, chosen: the torus that is known, the last one that is another, and the one that is where it is
             meant to be, where its ``good`` is true.
         another, several: which orbits have another torus, and which have several where they are meant to be.
@@ -69,7 +69,6 @@ class _Search:
     landscape: Landscape
     seeds: Seeds
     asked: Asked
-    hints: Reals
     first: _Known
     last: _Known
     chosen: _Known
@@ -77,12 +76,11 @@ class _Search:
     several: Mask
 
     @classmethod
-    def of(cls, landscape: Landscape, seeds: Seeds, solved: Solved, asked: Asked, hints: Reals) -> _Search:
-        every = bool(np.isfinite(hints).any())
-        wells = landscape.wells(solved.tori, asked.goals.rotating, every=every)
+    def of(cls, landscape: Landscape, seeds: Seeds, solved: Solved, asked: Asked) -> _Search:
+        wells = landscape.wells(solved.tori, asked.goals.rotating, every=asked.hinted)
         first, last, chosen = (_Known.of(solved, wells) for _ in range(3))
         another, several = np.zeros((2, len(solved.good)), dtype=bool)
-        search = cls(landscape, seeds, asked, hints, first, last, chosen, another, several)
+        search = cls(landscape, seeds, asked, first, last, chosen, another, several)
         search.fitting[:] = search.meant(first, search.everyone)
         return search
 
@@ -95,26 +93,19 @@ class _Search:
         """Which orbits have a torus where they are meant to be."""
         return self.chosen.solved.good
 
-    @property
-    def hinted(self) -> bool:
-        return bool(np.isfinite(self.hints).any())
-
-    @property
-    def task(self) -> AngleTask:
-        return AngleTask(self.landscape.model, self.landscape.programs)
-
     def meant(self, found: _Known, orbits: Integers) -> Mask:
         """Return which tori of some orbits are where they are meant to be."""
         tori, wells = found.solved.tori, found.wells
-        if self.hinted:
-            wells = _between_turning_points(self.task, tori, self.asked.goals.take(orbits), wells)
-        return in_wells(self.landscape.model, wells, self.hints[:, orbits])
+        if self.asked.hinted:
+            wells = _between_turning_points(self.landscape.task, tori, self.asked.goals.take(orbits), wells)
+        return in_wells(self.landscape.model, wells, self.asked.hints[:, orbits])
 
     def run(self) -> None:
         """Look for a torus where each is meant to be, for another one of some orbits, then of those next to them."""
         astray = np.flatnonzero(~self.fitting)
         tori = self.first.solved.tori.take(astray)
-        at_hints = np.where(np.isnan(self.hints[:, astray]), tori.q, self.hints[:, astray])
+        hints = self.asked.hints[:, astray]
+        at_hints = np.where(np.isnan(hints), tori.q, hints)
         self.from_there(astray, tori._replace(q=at_hints, ends=np.full_like(tori.ends, np.nan)))
         first, sizes, another = some_first(self.everyone)[0], self.asked.sizes, self.another
         few = np.union1d(first, np.flatnonzero(~self.fitting | alone(sizes[:, first], sizes)))
@@ -122,26 +113,34 @@ class _Search:
         known = few[another[few]]
         if len(few) == len(another) or not len(known):
             return
-        # an orbit has a second torus where one of those next to it has: it begins at the nearest not in its own well
-        beside = another[few][nearest(sizes[:, few], sizes)].any(axis=0)
+        # an orbit has a second torus, where it is meant to be, where one of those next to it has
+        told = np.isfinite(self.asked.hints).all(axis=0)
+        near = nearest(sizes[:, few], sizes)
+        beside = np.where(told, self.several[few][near].any(axis=0), another[few][near].any(axis=0))
         some = np.flatnonzero(beside & ~another & self.fitting)
-        pool = self.first.take(known).joined(self.last.take(known))
-        both = Seeds(pool.solved.tori, pool.solved.actions, np.tile(sizes[:, known], 2))
-        near, _ = _nearest_apart(self.first.take(some).wells, pool.wells, sizes[:, some], both.actions)
-        some, near = some[near >= 0], near[near >= 0]
-        self.from_there(some, *begun(both, near[None], self.asked.take(some)))
+        # it begins at the nearest not in its own well; where its place is told, that is not where it is meant to be
+        self.from_apart(some[~told[some]], known)
         left = some[~another[some]]
         self.look_around(left[another[nearest(sizes, sizes[:, left])].any(axis=0)])
+
+    def from_apart(self, some: Integers, known: Integers) -> None:
+        """Look for other tori of some orbits from the nearest ones, in another well than their own, that are known."""
+        sizes, model = self.asked.sizes, self.landscape.model
+        pool = self.first.take(known).joined(self.last.take(known))
+        both = Seeds(pool.solved.tori, pool.solved.actions, np.tile(sizes[:, known], 2))
+        near, _ = _nearest_apart(model, self.first.take(some).wells, pool.wells, sizes[:, some], both.actions)
+        some, near = some[near >= 0], near[near >= 0]
+        self.from_there(some, *begun(both, near[None], self.asked.take(some)))
 
     def from_there(self, seen: Integers, begin: Tori, step: Reals | None = None) -> None:
         """Look for other tori of some orbits from others, to which a step is known or not."""
         step = np.zeros((len(self.asked.goals.unknown), len(seen))) if step is None else step
         # most lead back to the torus that is known: a few digits of the constants tell
-        there = constants_of_tori(self.task, (begin, step), self.asked.goals.take(seen), _ROUNDS, rough=True)
+        there = constants_of_tori(self.landscape.task, (begin, step), self.asked.goals.take(seen), _ROUNDS, rough=True)
         seen, found = self.others(seen, there)
         goals = self.asked.goals.take(seen)
         begun_, stages = roughly_known(found.solved, goals), np.full(len(seen), EXACT)
-        there = constants_of_tori(self.task, begun_, goals, _ROUNDS, stages=stages)
+        there = constants_of_tori(self.landscape.task, begun_, goals, _ROUNDS, stages=stages)
         seen, found = self.others(seen, there)
         self.another[seen] = True
         self.last.put(seen, found)
@@ -154,7 +153,7 @@ class _Search:
         """Return which orbits have met a torus that is not known, and these tori."""
         met, model, goals = np.flatnonzero(there.good), self.landscape.model, self.asked.goals
         new, seen = there.take(met), seen[met]
-        found = _Known(new, self.landscape.wells(new.tori, goals.rotating[:, seen], every=self.hinted))
+        found = _Known(new, self.landscape.wells(new.tori, goals.rotating[:, seen], every=self.asked.hinted))
         apart = np.ones(len(seen), dtype=bool)
         for one in (self.first, self.last, self.chosen):
             apart &= ~found.same(model, one.take(seen), goals.scale[seen])
@@ -233,7 +232,7 @@ def _beside(landscape: Landscape, seeds: Seeds, asked: Asked, wells: Sequence[We
     if not len(known) or not asked.goals.actions.shape[1]:
         return np.zeros(0, dtype=int), seeds.tori.take(known[:0])
     there = [one.take(known) for one in around]
-    near, square = _nearest_apart(wells, there, asked.sizes, seeds.actions[:, known])
+    near, square = _nearest_apart(landscape.model, wells, there, asked.sizes, seeds.actions[:, known])
     seen = np.flatnonzero(square <= _AS_NEAR**2)
     begin = seeds.tori.take(known[near[seen]])
     begin.values[asked.places] = asked.momenta[:, seen]
@@ -242,14 +241,15 @@ def _beside(landscape: Landscape, seeds: Seeds, asked: Asked, wells: Sequence[We
 
 
 def _nearest_apart(
-    here: Sequence[Wells], there: Sequence[Wells], sizes: Reals, known: Reals
-) -> tuple[Integers, Reals]:  # fmt: skip
+    model: Model, here: Sequence[Wells], there: Sequence[Wells], sizes: Reals, known: Reals
+) -> tuple[Integers, Reals]:
     """Return the torus with the nearest actions that lies in another well, and the square of how far off it is.
 
     Args:
+        model: the system.
         here, there: wells of orbits, and of tori that are known.
         sizes, known: the actions of both.
     """
-    ends, around = (np.stack([*(x.low for x in wells), *(x.high for x in wells)]) for wells in (here, there))
-    near, square = nearest_apart(known, sizes, around, ends, 1)
+    ends = (np.stack([*(x.low for x in wells), *(x.high for x in wells)]) for wells in (there, here))
+    near, square = nearest_in(known, sizes, PlacesOfWells(*ends, turns_of(model), apart=True), 1)
     return near[0], square[0]

@@ -14,7 +14,7 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.constants import initial_constants
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
-from hjsolve.ensembles.engine.kernels.neighbours import extrapolated, nearest_points
+from hjsolve.ensembles.engine.kernels.neighbours import PlacesOfWells, extrapolated, nearest_points
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms
@@ -38,6 +38,8 @@ _BESIDE = 0.5
 """Distance of the nearest known torus, in logarithms of actions, from which on it says nothing of others."""
 _NEAR = 0.3
 """The relative change of an action up to which constants are extrapolated."""
+_ALL = PlacesOfWells(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0), apart=True)
+"""Wells do not matter."""
 
 
 class Scales(NamedTuple):
@@ -121,15 +123,15 @@ def _drawn(model: Model, scales: Sequence[Scales], wanted: tuple[Reals, Reals]) 
     return given_momenta(q, p)
 
 
-def nearest(seeds: Reals, wanted: Reals) -> Integers:
-    """Return which seeds have the nearest actions, the nearest one first, shape (neighbours, n).
+def nearest(seeds: Reals, wanted: Reals, wells: PlacesOfWells | None = None) -> Integers:
+    """Return which seeds have the nearest actions, the nearest one first, −1 for none; shape (neighbours, n).
 
     Args:
         seeds: actions, shape (names, seeds).
         wanted: actions, shape (names, n).
+        wells: which seeds count; None for all.
     """
-    count, none = min(2 * len(wanted) + 1, seeds.shape[1]), np.zeros((0, 0))
-    return nearest_apart(seeds, wanted, none, none, count)[0]
+    return nearest_in(seeds, wanted, wells, min(2 * len(wanted) + 1, seeds.shape[1]))[0]
 
 
 def alone(seeds: Reals, wanted: Reals) -> Mask:
@@ -139,18 +141,16 @@ def alone(seeds: Reals, wanted: Reals) -> Mask:
         seeds: actions, shape (names, seeds).
         wanted: actions, shape (names, n).
     """
-    none = np.zeros((0, 0))
-    return np.asarray(nearest_apart(seeds, wanted, none, none, 1)[1][0] > _BESIDE**2)
+    return np.asarray(nearest_in(seeds, wanted, None, 1)[1][0] > _BESIDE**2)
 
 
-def nearest_apart(seeds: Reals, wanted: Reals, there: Reals, here: Reals, count: int) -> tuple[Integers, Reals]:
-    """Return which seeds in other wells have the nearest actions, and the squares of how far off they are.
+def nearest_in(seeds: Reals, wanted: Reals, wells: PlacesOfWells | None, count: int) -> tuple[Integers, Reals]:
+    """Return which seeds, in some wells, have the nearest actions, and the squares of how far off they are.
 
     Args:
         seeds: actions, shape (names, seeds).
         wanted: actions, shape (names, n).
-        there, here: lower and upper ends of the wells, shapes (ends, seeds) and (ends, n); no rows where they do not
-            matter.
+        wells: which seeds count; None for all.
         count: how many are wanted.
 
     Returns:
@@ -161,8 +161,8 @@ def nearest_apart(seeds: Reals, wanted: Reals, there: Reals, here: Reals, count:
     order = np.argsort(points[axes[0]], kind="stable")
     found, squares = np.empty((count, places.shape[1]), dtype=np.int64), np.empty((count, places.shape[1]))
     own, others = (np.ascontiguousarray(x) for x in (points[axes][:, order], places[axes]))
-    wells = [np.ascontiguousarray(x) for x in (there[:, order] if len(there) else there, here)]
-    nearest_points(own, others, wells[0], wells[1], found, squares)
+    chosen = _ALL if wells is None else wells._replace(there=np.ascontiguousarray(wells.there[:, order]))
+    nearest_points(own, others, chosen, found, squares)
     return np.where(found < 0, -1, order[found]), squares
 
 
@@ -195,7 +195,7 @@ def begun(pool: Seeds, near: Integers, wanted: Asked) -> tuple[Tori, Reals]:
         near: which of them are neighbours, the nearest one first, shape (neighbours, n).
         wanted: actions.
     """
-    (goals, momenta, places), first = wanted, near[0]
+    (goals, momenta, places, _), first = wanted, near[0]
     values, there, slopes = pool.tori.values[:, first], pool.shells.values[:, first], pool.shells.slopes[:, :, first]
     values[places] = momenta
     with np.errstate(all="ignore"):
@@ -212,7 +212,7 @@ def begun(pool: Seeds, near: Integers, wanted: Asked) -> tuple[Tori, Reals]:
 
 def _extrapolated(pool: Seeds, near: Integers, wanted: Asked) -> Reals:
     """Return the unknown constants of tori by those of several neighbours."""
-    goals, momenta, places = wanted
+    goals, momenta, places, _ = wanted
     inverse = inverses(pool.shells.slopes[:, goals.unknown].transpose(2, 0, 1))  # ∂c/∂J
     others = -np.einsum("nck,kpn->cpn", inverse, pool.shells.slopes[:, places])
     slopes = np.concatenate([inverse.transpose(1, 2, 0), others], axis=1)

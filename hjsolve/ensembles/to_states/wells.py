@@ -13,7 +13,7 @@ from hjsolve.ensembles.engine.coordinate_of_orbits import offset, place
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 from hjsolve.ensembles.to_states.newton_on_actions import Solved
-from hjsolve.ensembles.to_states.tori import Tori
+from hjsolve.ensembles.to_states.tori import AngleTask, Tori
 
 _VALUES = 1 << 20
 """Values of p² that are held at once."""
@@ -72,6 +72,11 @@ class Landscape(NamedTuple):
         everywhere = cls(model, programs, grids, (True,) * len(grids))
         found = everywhere.wells(seeds, np.zeros(seeds.q.shape, dtype=bool))
         return everywhere._replace(several=tuple(bool(one.beside.any()) for one in found))
+
+    @property
+    def task(self) -> AngleTask:
+        """The system with its programs."""
+        return AngleTask(self.model, self.programs)
 
     def wells(self, tori: Tori, rotating: Mask, *, every: bool = False) -> list[Wells]:
         """Return the wells of all coordinates.
@@ -159,6 +164,15 @@ def same_tori(model: Model, one: Solved, other: Tori, scale: Reals, seen: tuple[
             apart = (b.high + turns <= a.low) | (a.high <= b.low + turns)
             alike &= ~apart
     return np.asarray(alike)
+
+
+def turns_of(model: Model) -> Reals:
+    """Return the period of every separated coordinate, 0 for none.
+
+    Args:
+        model: the system.
+    """
+    return np.array([2 * np.pi if coordinate.periodic else 0.0 for coordinate in model.separated])
 
 
 def in_wells(model: Model, wells: Sequence[Wells], hints: Reals) -> Mask:

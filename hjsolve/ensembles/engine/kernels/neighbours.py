@@ -10,6 +10,8 @@ all such weights those are taken that are small, and smallest far away: least sq
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel
@@ -19,13 +21,33 @@ _FLAT = 1e-4  # square of the part of all distances below which a dimension need
 _LARGEST = 8.0  # sum of the sizes of the weights
 
 
+class PlacesOfWells(NamedTuple):
+    """Which points count for a place: those in its well, or those in others.
+
+    Attributes:
+        there, here: lower and upper ends of the wells of points and places, shapes (2 coordinates, points) and
+            (2 coordinates, n); infinite or NaN ones leave a coordinate out.
+        turns: periods of the coordinates, 0 for none; shape (coordinates,), none where all points count.
+        apart: whether those in other wells count.
+    """
+
+    there: Reals
+    here: Reals
+    turns: Reals
+    apart: bool
+
+
 @inlined
-def _apart(wells: Reals, here: Reals, j: int, i: int) -> bool:
-    """Tell whether a point and a place lie in different wells; rows: lower ends, then upper ends; all do without."""
-    size = wells.shape[0] // 2
-    found = size == 0
+def _apart(wells: PlacesOfWells, j: int, i: int) -> bool:
+    """Tell whether a point and a place lie in different wells."""
+    size, found = wells.turns.shape[0], False
     for k in range(size):
-        found = found or wells[size + k, j] <= here[k, i] or here[size + k, i] <= wells[k, j]
+        low, high, turn = wells.here[k, i], wells.here[size + k, i], wells.turns[k]
+        # an angle is the same a turn further on
+        moved = (
+            turn * np.rint((wells.there[k, j] + wells.there[size + k, j] - low - high) / (2 * turn)) if turn else 0.0
+        )
+        found = found or wells.there[size + k, j] <= low + moved or high + moved <= wells.there[k, j]
     return found
 
 
@@ -40,14 +62,13 @@ def _next(points: Reals, place: float, left: int, right: int) -> int:
 
 
 @kernel
-def nearest_points(points: Reals, wanted: Reals, wells: Reals, here: Reals, found: Integers, squares: Reals) -> None:
+def nearest_points(points: Reals, wanted: Reals, wells: PlacesOfWells, found: Integers, squares: Reals) -> None:
     """Find the nearest points of each place, from the nearest along the first axis outward.
 
     Args:
         points: shape (dimensions, points), ascending along the first axis.
         wanted: places, shape (dimensions, n).
-        wells, here: lower and upper ends of the wells of points and places, shapes (ends, points) and (ends, n); only
-            points in other wells count. No rows where all do.
+        wells: which points count.
         found: filled with the positions of the nearest points, the nearest one first, shape (neighbours, n); −1 for
             none.
         squares: filled with the squares of their distances, the same shape.
@@ -73,7 +94,7 @@ def nearest_points(points: Reals, wanted: Reals, wells: Reals, here: Reals, foun
             square = 0.0
             for k in range(dimensions):
                 square += (points[k, j] - wanted[k, i]) * (points[k, j] - wanted[k, i])
-            if square < squares[last, i] and _apart(wells, here, j, i):
+            if square < squares[last, i] and (not wells.turns.shape[0] or _apart(wells, j, i) == wells.apart):
                 at = last
                 while at > 0 and square < squares[at - 1, i]:
                     found[at, i], squares[at, i] = found[at - 1, i], squares[at - 1, i]
