@@ -50,7 +50,7 @@ _PERHAPS = 1e-2
 """Residual below which rough integrals next to a separatrix say nothing: with those in doubles four of 110 000 orbits
 about two centres had a torus all the same, with residuals of 1e-4 to 1e-3; of those without one a twentieth are below.
 """
-_CLOSE, _FALLS = 8 * EPS, 0.25
+CLOSE, _FALLS = 8 * EPS, 0.25
 """Relative residual at which an orbit is done, and the part of a step by which it has to fall (Armijo's rule)."""
 _FAR = 0.1
 """The part of the residual, or of the scale of all actions, by which small actions count far away."""
@@ -61,7 +61,7 @@ _FORESEEN, _KNOWN = 16.0, (0.0, 1e-13, 1e-11)
 32 digits, up to which it is the last."""
 _ROUGHLY, _APPROXIMATE_FRACTION = 1e-8, 0.5
 """Residual of rough integrals, as it is foreseen, and fraction of a step, below which they are left."""
-_FEW_DIGITS = 1e-7
+FEW_DIGITS = 1e-7
 """Residual at which an orbit is done whose constants are wanted to a few digits."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
@@ -181,7 +181,7 @@ class Solved(NamedTuple):
 
 def constants_of_tori(
     task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS, *, few: int = 0,
-    rough: bool = False, stages: Integers | None = None,
+    rough: bool = False, stages: Integers | None = None, close: float = CLOSE,
 ) -> Solved:  # fmt: skip
     """Find the constants of tori.
 
@@ -190,10 +190,11 @@ def constants_of_tori(
         goals: what is wanted.
         rounds: how often J is evaluated, at most.
         few: how many orbits may be left over by either kind of integrals that are not exact: each round has a price.
-        rough: whether constants are wanted to a few digits only.
+        rough: whether constants are wanted to a few digits only, by rough integrals.
         stages: integrals that each search begins with, shape (n,); None for ``APPROXIMATE``.
+        close: relative residual at which an orbit is done; of rough searches ``FEW_DIGITS``.
     """
-    searches = _Searches.begun(task, begin, goals, stages, rough=rough)
+    searches = _Searches.begun(task, begin, goals, stages, FEW_DIGITS if rough else close, rough=rough)
     while searches.open.any():
         # those with the roughest integrals, while the others wait: a round costs the same for ten orbits or a hundred
         stage = searches.how[searches.open].min()
@@ -237,7 +238,7 @@ class _Searches:
     """Where Newton's method has come to for n orbits; the arrays are written into.
 
     Attributes:
-        goals, rough: of ``constants_of_tori``.
+        goals, close, rough: of ``constants_of_tori``.
         weight: what residuals are over, shape (separated, n).
         base, best: the best tori up to now, and their actions.
         step, fraction: from there, shape (unknown, n), and how much of it is tried.
@@ -251,6 +252,7 @@ class _Searches:
     """
 
     goals: Goals
+    close: float
     rough: bool
     weight: Reals
     base: Tori
@@ -269,14 +271,16 @@ class _Searches:
 
     @classmethod
     def begun(
-        cls, task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, stages: Integers | None, *, rough: bool
-    ) -> _Searches:
+        cls, task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, stages: Integers | None, close: float, *,
+        rough: bool,
+    ) -> _Searches:  # fmt: skip
         """Return searches none of which has tried anything."""
         size, n = goals.actions.shape
-        weight = np.where(goals.actions == 0, _ACTION_OF_REST * goals.scale / _CLOSE, goals.actions)
+        weight = np.where(goals.actions == 0, _ACTION_OF_REST * goals.scale / CLOSE, goals.actions)
         base, step = Tori(*(x.copy() for x in begin[0])), begin[1].copy()
         return cls(
-            goals=goals, rough=rough, weight=weight, base=base, best=no_actions(size, len(task.model.constants), n),
+            goals=goals, close=close, rough=rough, weight=weight, base=base,
+            best=no_actions(size, len(task.model.constants), n),
             step=step, fraction=np.ones(n), trial=base.moved(goals.unknown, step), merit=np.full(n, np.inf),
             left=np.full((size, n), np.inf), how=np.full(n, APPROXIMATE) if stages is None else stages,
             curve=np.full(n, np.inf), beyond=np.zeros(n), tried=np.zeros(n, dtype=np.int64),
@@ -291,7 +295,7 @@ class _Searches:
             residual = goals.actions - found.values
             unknown = unknown_of(found.slopes, constants)
             # what constants in two doubles leave open is not sought: narrow librations find their height later
-            weights = np.fmax(self.weight[:, active], unknown / _CLOSE)
+            weights = np.fmax(self.weight[:, active], unknown / CLOSE)
             own = np.max(np.abs(residual) / weights, axis=0)
             # far away an action that is nearly zero counts by the size of all: else it would hold up the others
             floor = _FAR * np.fmin(self.left[:, active].max(axis=0), goals.scale)
@@ -302,11 +306,11 @@ class _Searches:
             known = (found.errors <= _KNOWN[stage] * weights).all(axis=0)
         # J of the harmonic libration is that of the motion only where it is to be zero
         harmonic = (found.harmonic & (goals.actions > unknown)).any(axis=0)
-        finished = (sure | self.rough) & found.good & (own <= (_FEW_DIGITS if self.rough else _CLOSE)) & ~harmonic
+        finished = (sure | self.rough) & found.good & (own <= self.close) & ~harmonic
         falls = 1 - _FALLS * fraction
         better = found.good & ((own < falls * merit) | (far < falls * before) | finished)
         settled = sure & ~better & (fraction == 1.0) & (merit < _SETTLED)
-        last = sure & better & ~finished & known & (_FORESEEN * after <= _CLOSE)
+        last = sure & better & ~finished & known & (_FORESEEN * after <= self.close)
         return _Judged(residual, own, after, better, finished, settled, last)
 
     def write(self, active: Integers, judged: _Judged, found: Actions, seen: Tori) -> None:

@@ -21,7 +21,16 @@ from hjsolve.ensembles.engine.kernels.neighbours import PlacesOfWells
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.narrow_tori import ROWS
-from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Goals, Solved, constants_of_tori, roughly_known
+from hjsolve.ensembles.to_states.newton_on_actions import (
+    CLOSE,
+    FEW_DIGITS,
+    SOON,
+    Asked,
+    Goals,
+    Solved,
+    constants_of_tori,
+    roughly_known,
+)
 from hjsolve.ensembles.to_states.places_on_tori import frames_of
 from hjsolve.ensembles.to_states.seeds import Seeds, alone, begun, nearest, nearest_in, some_first
 from hjsolve.ensembles.to_states.tori import EXACT, AngleTask, Tori, joined
@@ -138,9 +147,15 @@ class _Search:
         # most lead back to the torus that is known: a few digits of the constants tell
         there = constants_of_tori(self.landscape.task, (begin, step), self.asked.goals.take(seen), _ROUNDS, rough=True)
         seen, found = self.others(seen, there)
-        goals = self.asked.goals.take(seen)
-        begun_, stages = roughly_known(found.solved, goals), np.full(len(seen), EXACT)
-        there = constants_of_tori(self.landscape.task, begun_, goals, _ROUNDS, stages=stages)
+        # of an orbit that has its torus already a second one is to exist, no more
+        for some, close in ((~self.fitting[seen], CLOSE), (self.fitting[seen], FEW_DIGITS)):
+            self.proved(seen[some], found.take(np.flatnonzero(some)), close)
+
+    def proved(self, seen: Integers, found: _Known, close: float) -> None:
+        """Write tori of some orbits that rough integrals have shown, if the others show them, too."""
+        goals, stages = self.asked.goals.take(seen), np.full(len(seen), EXACT)
+        begin = roughly_known(found.solved, goals)
+        there = constants_of_tori(self.landscape.task, begin, goals, _ROUNDS, stages=stages, close=close)
         seen, found = self.others(seen, there)
         self.another[seen] = True
         self.last.put(seen, found)
