@@ -65,6 +65,8 @@ FEW_DIGITS = 1e-7
 """Residual at which an orbit is done whose constants are wanted to a few digits."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
+_FEW = 64
+"""Orbits below which turning points are not followed: for so few it takes as long as a search for them, 3 ms."""
 _ACTION_OF_REST = 2.0**-80
 """J that counts as 0 next to the scale of all actions, of coordinates whose J is to be zero."""
 
@@ -416,7 +418,7 @@ def _each(
     found, seen = no_actions(len(task.model.separated), len(task.model.constants), len(active)), trial
     left = np.ones(len(active), dtype=bool)
     if stage == APPROXIMATE:
-        left[:] = (zero | rotating).any(axis=0) | ~np.isfinite(trial.ends).all(axis=(0, 1))
+        left[:] = (zero | rotating).any(axis=0) | ~np.isfinite(trial.ends).all(axis=(0, 1)) | (len(active) < _FEW)
         some = np.flatnonzero(~left)
         near = followed(task, trial.take(some), series=False)
         fine, left[some[~near.good]] = some[near.good], True
