@@ -332,9 +332,10 @@ def _written(
     wide = np.where(frames.widths > 0, frames.widths, 1.0)
     # a narrow motion may be hardly wider than the rounding of q
     fine = states.good & (states.q_errors <= np.fmax(_TOLERANCE * wide, _OF_PLACE * np.abs(states.q))).all(axis=0)
-    for k, coordinate in enumerate(model.separated):
+    for k, (coordinate, hints) in enumerate(zip(model.separated, _hints(task, model, index), strict=True)):
         if coordinate.periodic:
-            middle = states.q[k] if rotating[k].all() else tori.q[k]
+            # a libration about the place that is told, or about 0
+            middle = states.q[k] if rotating[k].all() else tori.q[k] - np.where(np.isnan(hints), 0.0, hints)
             turns = np.rint(middle / (2 * np.pi))
             states.q[k] -= 2 * np.pi * turns
             states.q_errors[k] += 4 * EPS * np.abs(2 * np.pi * turns)

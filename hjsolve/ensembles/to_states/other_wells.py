@@ -73,6 +73,7 @@ class _Search:
         first, last, chosen: the torus that is known, the last one that is another, and the one that is where it is
             meant to be, where its ``good`` is true.
         another, several: which orbits have another torus, and which have several where they are meant to be.
+        looked: the wells of which orbits' first tori have been looked at: most need not be.
     """
 
     landscape: Landscape
@@ -83,15 +84,27 @@ class _Search:
     chosen: _Known
     another: Mask
     several: Mask
+    looked: Mask
 
     @classmethod
     def of(cls, landscape: Landscape, seeds: Seeds, solved: Solved, asked: Asked) -> _Search:
-        wells = landscape.wells(solved.tori, asked.goals.rotating, every=asked.hinted)
+        wells = landscape.unseen(len(solved.good))
         first, last, chosen = (_Known.of(solved, wells) for _ in range(3))
-        another, several = np.zeros((2, len(solved.good)), dtype=bool)
-        search = cls(landscape, seeds, asked, first, last, chosen, another, several)
+        another, several, looked = np.zeros((3, len(solved.good)), dtype=bool)
+        search = cls(landscape, seeds, asked, first, last, chosen, another, several, looked)
         search.fitting[:] = search.meant(first, search.everyone)
         return search
+
+    def own(self, orbits: Integers) -> _Known:
+        """Return the first tori of some orbits, with their wells."""
+        new = orbits[~self.looked[orbits]]
+        if len(new):
+            tori, rotating = self.first.solved.tori.take(new), self.asked.goals.rotating[:, new]
+            found = self.landscape.wells(tori, rotating, every=self.asked.hinted)
+            for known in (self.first, self.last, self.chosen):  # the last and the chosen are the first as yet
+                known.put_wells(new, found)
+            self.looked[new] = True
+        return self.first.take(orbits)
 
     @property
     def everyone(self) -> Integers:
@@ -104,9 +117,15 @@ class _Search:
 
     def meant(self, found: _Known, orbits: Integers) -> Mask:
         """Return which tori of some orbits are where they are meant to be."""
-        tori, wells = found.solved.tori, found.wells
+        wells = found.wells
         if self.asked.hinted:
-            wells = _between_turning_points(self.landscape.task, tori, self.asked.goals.take(orbits), wells)
+            low, high, known = _turning_points(self.landscape.task, found.solved.tori, self.asked.goals.take(orbits))
+            if found is self.first:
+                self.own(np.flatnonzero(~known.all(axis=0)))
+            wells = [
+                one._replace(low=np.where(sure, a, one.low), high=np.where(sure, b, one.high))
+                for one, a, b, sure in zip(wells, low, high, known, strict=True)
+            ]
         return in_wells(self.landscape.model, wells, self.asked.hints[:, orbits])
 
     def run(self) -> None:
@@ -123,9 +142,9 @@ class _Search:
         if len(few) == len(another) or not len(known):
             return
         # an orbit has a second torus, where it is meant to be, where one of those next to it has
-        told = np.isfinite(self.asked.hints).all(axis=0)
-        near = nearest(sizes[:, few], sizes)
-        beside = np.where(told, self.several[few][near].any(axis=0), another[few][near].any(axis=0))
+        told = np.asarray(np.isfinite(self.asked.hints).all(axis=0))
+        near = few[nearest(sizes[:, few], sizes)]
+        beside = np.where(told, self.several[near], another[near]).any(axis=0)
         some = np.flatnonzero(beside & ~another & self.fitting)
         # it begins at the nearest not in its own well; where its place is told, that is not where it is meant to be
         self.from_apart(some[~told[some]], known)
@@ -135,9 +154,9 @@ class _Search:
     def from_apart(self, some: Integers, known: Integers) -> None:
         """Look for other tori of some orbits from the nearest ones, in another well than their own, that are known."""
         sizes, model = self.asked.sizes, self.landscape.model
-        pool = self.first.take(known).joined(self.last.take(known))
+        pool = self.own(known).joined(self.last.take(known))
         both = Seeds(pool.solved.tori, pool.solved.actions, np.tile(sizes[:, known], 2))
-        near, _ = _nearest_apart(model, self.first.take(some).wells, pool.wells, sizes[:, some], both.actions)
+        near, _ = _nearest_apart(model, self.own(some).wells, pool.wells, sizes[:, some], both.actions)
         some, near = some[near >= 0], near[near >= 0]
         self.from_there(some, *begun(both, near[None], self.asked.take(some)))
 
@@ -169,17 +188,18 @@ class _Search:
         met, model, goals = np.flatnonzero(there.good), self.landscape.model, self.asked.goals
         new, seen = there.take(met), seen[met]
         found = _Known(new, self.landscape.wells(new.tori, goals.rotating[:, seen], every=self.asked.hinted))
-        apart = np.ones(len(seen), dtype=bool)
-        for one in (self.first, self.last, self.chosen):
+        apart = ~found.same(model, self.own(seen), goals.scale[seen])
+        for one in (self.last, self.chosen):
             apart &= ~found.same(model, one.take(seen), goals.scale[seen])
         return seen[apart], found.take(np.flatnonzero(apart))
 
     def look_around(self, some: Integers) -> None:
         """Look for other tori of some orbits where p² has other maxima, and from random tori."""
-        for seen, begin in _elsewhere(self.first.take(some).wells, self.first.solved.tori.take(some)):
+        own = self.own(some)
+        for seen, begin in _elsewhere(own.wells, own.solved.tori):
             self.from_there(some[seen], begin)
         left = some[~(self.another & self.fitting)[some]]
-        seen, begin = _beside(self.landscape, self.seeds, self.asked.take(left), self.first.take(left).wells)
+        seen, begin = _beside(self.landscape, self.seeds, self.asked.take(left), self.own(left).wells)
         self.from_there(left[seen], begin)
 
 
@@ -200,7 +220,10 @@ class _Known(NamedTuple):
 
     def put(self, index: Integers, other: _Known) -> None:
         self.solved.put(index, other.solved)
-        for mine, theirs in zip(self.wells, other.wells, strict=True):
+        self.put_wells(index, other.wells)
+
+    def put_wells(self, index: Integers, others: Sequence[Wells]) -> None:
+        for mine, theirs in zip(self.wells, others, strict=True):
             for whole, part in zip(mine, theirs, strict=True):
                 whole[..., index] = part
 
@@ -213,21 +236,16 @@ class _Known(NamedTuple):
         return same_tori(model, self.solved, other.solved.tori, scale, (self.wells, other.wells))
 
 
-def _between_turning_points(task: AngleTask, tori: Tori, goals: Goals, wells: Sequence[Wells]) -> list[Wells]:
-    """Return the wells of tori with their turning points as ends, where these are known."""
+def _turning_points(task: AngleTask, tori: Tori, goals: Goals) -> tuple[Reals, Reals, Mask]:
+    """Return the turning points of tori, of angles those of the turn about 0, and which are known; (separated, n)."""
     size, n = tori.q.shape
     resting, none = goals.actions == 0, np.full((size, ROWS, n), np.nan)
-    frames, found = frames_of(task, tori, np.ones((size, n)), goals.rotating, resting, none), []
-    for k, one in enumerate(wells):
-        low, high = (
-            place(side, x) for side, x in zip(sides(task.model.separated[k]), frames.bases[k, ::2], strict=True)
-        )
-        turns = 2 * np.pi * np.rint(tori.q[k] / (2 * np.pi)) if task.model.separated[k].periodic else 0.0
-        known = frames.good & ~goals.rotating[k] & ~resting[k]
-        found.append(
-            one._replace(low=np.where(known, low - turns, one.low), high=np.where(known, high - turns, one.high))
-        )
-    return found
+    frames, found = frames_of(task, tori, np.ones((size, n)), goals.rotating, resting, none), np.empty((2, size, n))
+    for k, coordinate in enumerate(task.model.separated):
+        turns = 2 * np.pi * np.rint(tori.q[k] / (2 * np.pi)) if coordinate.periodic else 0.0
+        for upper, side in enumerate(sides(coordinate)):
+            found[upper, k] = place(side, frames.bases[k, 2 * upper]) - turns
+    return found[0], found[1], frames.good & ~goals.rotating & ~resting
 
 
 def _elsewhere(wells: Sequence[Wells], tori: Tori) -> Iterator[tuple[Integers, Tori]]:
@@ -265,6 +283,6 @@ def _nearest_apart(
         here, there: wells of orbits, and of tori that are known.
         sizes, known: the actions of both.
     """
-    ends = (np.stack([*(x.low for x in wells), *(x.high for x in wells)]) for wells in (there, here))
-    near, square = nearest_in(known, sizes, PlacesOfWells(*ends, turns_of(model), apart=True), 1)
+    theirs, own = (np.stack([*(x.low for x in wells), *(x.high for x in wells)]) for wells in (there, here))
+    near, square = nearest_in(known, sizes, PlacesOfWells(theirs, own, turns_of(model), apart=True), 1)
     return near[0], square[0]

@@ -85,22 +85,29 @@ class Landscape(NamedTuple):
             rotating: which go round, shape (separated, n): all of a turn is their well.
             every: whether wells are told from one another: the ends of an only one are wanted, and all that are alike.
         """
-        found, count = [], tori.q.shape[1]
-        for k, grid in enumerate(self.grids):
-            one = Wells(
-                np.full(count, -np.inf),
-                np.full(count, np.inf),
-                np.full((_WELLS, count), np.nan),
-                np.zeros(count, dtype=bool),
-            )
+        found = self.unseen(tori.q.shape[1])
+        for k, (grid, one) in enumerate(zip(self.grids, found, strict=True)):
             moving = np.flatnonzero(~rotating[k]) if self.several[k] or every else np.zeros(0, dtype=int)
             span = max(1, _VALUES // len(grid))
             for begin in range(0, len(moving), span):
                 some = moving[begin : begin + span]
                 for whole, part in zip(one, self._seen(tori.take(some), k, every=every), strict=True):
                     whole[..., some] = part
-            found.append(one)
         return found
+
+    def unseen(self, count: int) -> list[Wells]:
+        """Return the wells of tori that were not looked at: all of each coordinate.
+
+        Args:
+            count: tori.
+        """
+        return [
+            Wells(
+                np.full(count, -np.inf), np.full(count, np.inf), np.full((_WELLS, count), np.nan),
+                np.zeros(count, dtype=bool),
+            )
+            for _ in self.grids
+        ]  # fmt: skip
 
     def _seen(self, tori: Tori, k: int, *, every: bool) -> Wells:
         """Return the wells of one coordinate: between the last samples before and after its place with p² ≤ 0."""
