@@ -166,14 +166,25 @@ def about_two_centres(count):
     return q, p | {"phi": np.exp(dice.uniform(-3, 1, count))}
 
 
+def test_a_libration_lies_about_the_place_that_is_told():
+    """θ is the same a turn further on: of a well about π, which the samples of a turn cut, either half may be told."""
+    system = hjsolve.System({"theta": "angle"}, "dot(theta)**2/2", "cos(theta)")
+    told = np.array([2.9, -2.9, 2.9 + 4 * np.pi, np.pi])
+    batch = hjsolve.ensemble(system, actions={"theta": 0.4}, angles={"theta": 0.5}, q={"theta": told}, fallback=False)
+    assert (batch.status == "ok").all()
+    assert (np.abs(batch.q["theta"] - told) < np.pi).all()
+    found = hjsolve.ensemble(system, q={"theta": batch.q["theta"]}, p={"theta": batch.p["theta"]}, want={"actions"})
+    np.testing.assert_allclose(found.actions["theta"], 0.4, rtol=1e-12, atol=0)
+
+
 @pytest.mark.parametrize(
     ("system", "states", "lost"),
     [
-        (hjsolve.System({"x": "line"}, "dot(x)**2/2", CHAIN), far_and_wide("x", 600, 3), 30),
-        (hjsolve.System({"x": "line"}, "dot(x)**2/2", THREE), far_and_wide("x", 600, 1.5), 1),
+        (hjsolve.System({"x": "line"}, "dot(x)**2/2", CHAIN), far_and_wide("x", 600, 3), 6),
+        (hjsolve.System({"x": "line"}, "dot(x)**2/2", THREE), far_and_wide("x", 600, 1.5), 0),
         (hjsolve.System({"theta": "angle"}, "dot(theta)**2/2", TILTED), far_and_wide(["theta"], 600, 1), 0),
-        (hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", PLANE), far_and_wide("xy", 600, 1), 6),
-        pytest.param("two-centres-space", about_two_centres(12_000), 20, marks=pytest.mark.nightly),
+        (hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", PLANE), far_and_wide("xy", 600, 1), 2),
+        pytest.param("two-centres-space", about_two_centres(12_000), 3, marks=pytest.mark.nightly),
     ],
 )
 def test_motions_come_back_when_a_place_in_their_well_is_told(system, states, lost):
