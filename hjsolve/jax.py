@@ -4,12 +4,16 @@
 
 The slopes are the exact ones of ``ensemble_derivatives`` by initial data. All is computed outside of JAX
 (``jax.pure_callback``), with a rule for JVPs; what is linear in the tangents is transposed by JAX itself, so that VJPs,
-``grad`` and ``jacobian`` follow.
+``grad`` and ``jacobian`` follow. JAX calls back with a processor that takes subnormal numbers for 0, where no bound on
+an error need hold: a thread with the arithmetic of IEEE 754 computes for it.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +22,7 @@ import numpy.typing as npt
 
 from hjsolve import arguments
 from hjsolve.ensembles.batch import Batch
-from hjsolve.ensembles.orbit_derivatives import ensemble_derivatives
+from hjsolve.ensembles.orbit_derivatives import ensemble_derivatives, refuse_without_derivatives
 from hjsolve.ensembles.orbits import ensemble as batch_of
 from hjsolve.errors import InvalidInputError, MissingExtraError
 from hjsolve.mechanics.system import System
@@ -60,8 +64,9 @@ def ensemble(
         threads: as of ``hjsolve.ensemble``.
 
     Raises:
-        InvalidInputError: another quantity; momenta that are shifted; from the function, coordinates that are not those
-            of the system, or JAX without 64 bits.
+        InvalidInputError: another quantity; a solution in coordinates that were found; parameters that JAX traces; from
+            the function, coordinates that are not those of the system, or JAX without 64 bits; from its derivatives,
+            what ``hjsolve.ensemble_derivatives`` refuses, and second ones.
         MissingExtraError: JAX is not installed.
 
     Example:
@@ -79,6 +84,10 @@ def ensemble(
     solution = system if isinstance(system, Solution) else solve(system)
     given = {} if parameters is None else dict(arguments.table(parameters, "parameters"))
     parameter_values(solution.system, given)  # refuses unknown names and missing values
+    if solution.chart is not None:
+        raise InvalidInputError(
+            "hjsolve.jax: q and p are varied in coordinates that separate as they are given; give solution.system"
+        )
     names = tuple(c.name for c in solution.system.coordinates)
     ask: dict[str, Any] = {"parameters": given, "threads": threads}
     first = batch_of(
@@ -111,6 +120,31 @@ def ensemble(
     return orbits
 
 
+class _Worker:
+    """A thread that keeps the arithmetic of the thread that imports this module: threads inherit it as they begin."""
+
+    def __init__(self) -> None:
+        self.begin()
+        if hasattr(os, "register_at_fork"):  # a process that is forked has no threads but one
+            os.register_at_fork(after_in_child=self.begin)
+
+    def begin(self) -> None:
+        """Start the thread now, not at the first call, which is one of JAX."""
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="hjsolve.jax")
+        self._pool.submit(int).result()
+
+    def run(self, function: Callable[..., tuple[Array, ...]], x: tuple[Array, ...]) -> tuple[Array, ...]:
+        """Return what a function returns there.
+
+        Args:
+            x: its arguments.
+        """
+        return self._pool.submit(copy_context().run, function, *x).result()
+
+
+_WORKER = _Worker()
+
+
 class _Outside:
     """What is computed outside of JAX, from 2n arrays of one shape to arrays of that shape."""
 
@@ -133,9 +167,8 @@ class _Outside:
         return (*self._columns(found.batch), *slopes)
 
     def _given(self, x: tuple[Array, ...]) -> tuple[dict[str, Array], dict[str, Array]]:
-        arrays = [np.asarray(e, dtype=float) for e in x]
         n = len(self.names)
-        return dict(zip(self.names, arrays[:n], strict=True)), dict(zip(self.names, arrays[n:], strict=True))
+        return dict(zip(self.names, x[:n], strict=True)), dict(zip(self.names, x[n:], strict=True))
 
     def _columns(self, batch: Batch) -> tuple[Array, ...]:
         values = [getattr(batch, quantity)[name] for quantity, name in self.rows]
@@ -149,7 +182,12 @@ def _differentiable(outside: _Outside) -> Callable[..., Any]:
 
     def call(function: Callable[..., tuple[Array, ...]], count: int, x: Traced) -> Traced:
         like = (jax.ShapeDtypeStruct(x[0].shape, np.float64),) * count
-        return jax.pure_callback(function, like, *x, vmap_method="broadcast_all")
+
+        def there(*x: Array) -> tuple[Array, ...]:
+            # an array of JAX becomes one of numpy here: on another thread that might wait for this one
+            return _WORKER.run(function, tuple(np.asarray(e, dtype=float) for e in x))
+
+        return jax.pure_callback(there, like, *x, vmap_method="broadcast_all")
 
     def split(found: Traced) -> tuple[Traced, Traced, jax.Array]:
         return tuple(found[:m]), tuple(found[m : 2 * m]), found[2 * m]
@@ -158,9 +196,18 @@ def _differentiable(outside: _Outside) -> Callable[..., Any]:
     def flat(*x: jax.Array) -> tuple[Traced, Traced, jax.Array]:
         return split(call(outside.values, 2 * m + 1, x))
 
+    @jax.custom_jvp
+    def slopes_there(*x: jax.Array) -> Traced:
+        return call(outside.derivatives, 2 * m + 1 + m * len(x), x)
+
+    @slopes_there.defjvp
+    def _(x: Traced, moved: Traced) -> tuple[Traced, Traced]:  # noqa: ARG001  (the names are those of JAX)
+        raise InvalidInputError("hjsolve.jax: there are no second derivatives; differentiate once")
+
     @flat.defjvp
     def _(x: Traced, moved: Traced) -> tuple[tuple[Traced, Traced, jax.Array], tuple[Traced, Traced, jax.Array]]:
-        found = call(outside.derivatives, 2 * m + 1 + m * len(x), x)
+        refuse_without_derivatives(outside.solution)  # here, where an error is not one of the runtime of JAX
+        found = slopes_there(*x)
         values, errors, codes = split(found)
         slopes, none = found[2 * m + 1 :], jax.numpy.zeros_like
         rates = tuple(

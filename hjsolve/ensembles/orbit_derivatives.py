@@ -133,11 +133,7 @@ def ensemble_derivatives(
         -2.244994432064
     """
     solution = system if isinstance(system, Solution) else solve(system)
-    refuse_kinks(solution.system.kinks, "ensemble_derivatives")
-    if not solution.coordinates:
-        raise InvalidInputError(
-            "ensemble_derivatives: not where every coordinate is ignorable; write motion.derivatives(…) for each"
-        )
+    refuse_without_derivatives(solution)
     varied = arguments.words(by, "by", '["initial"]')
     if not varied or varied - {*_BY}:
         raise InvalidInputError(f"by: one or more of {', '.join(_BY)} are needed, not {', '.join(sorted(varied))}")
@@ -159,6 +155,19 @@ def ensemble_derivatives(
     slopes = slopes_of_constants(solution, {"q": q, kind: required(rates)}, values, variables.parameters)
     held = {"initial": [key for key in slopes if "." in key], "parameters": variables.parameters, "constants": ()}
     return _at_fixed_states(found, slopes, [key for word in varied for key in held[word]], "constants" in varied)
+
+
+def refuse_without_derivatives(solution: Solution) -> None:
+    """Raise where no orbit of a solution can be differentiated.
+
+    Raises:
+        InvalidInputError: V has kinks, or every coordinate is ignorable.
+    """
+    refuse_kinks(solution.system.kinks, "ensemble_derivatives")
+    if not solution.coordinates:
+        raise InvalidInputError(
+            "ensemble_derivatives: not where every coordinate is ignorable; write motion.derivatives(…) for each"
+        )
 
 
 def _at_fixed_states(found: BatchDerivatives, slopes: Slopes, keys: list[str], constants: bool) -> BatchDerivatives:

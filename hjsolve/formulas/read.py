@@ -11,6 +11,7 @@ import numbers
 from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -228,13 +229,30 @@ def number(value: object, *, source: str) -> sp.Expr:
     if isinstance(value, sp.Expr):
         return _constant(admit(value, {}, source=source), source)
     if getattr(value, "shape", None) == () and hasattr(value, "item"):
-        value = value.item()
+        value = _alone(value, source)
     exact = _ratio(value)
     if exact is None:
         raise ExpressionError(f"{source}: expected one finite real number, got {_shown(value)}", source=source)
     if max(abs(exact.numerator).bit_length(), exact.denominator.bit_length()) > MAX_BITS:
         raise ExpressionError(f"{source}: the number is beyond 1e±{MAX_DIGITS}; choose other units", source=source)
     return sp.Rational(exact.numerator, exact.denominator)
+
+
+def _alone(value: Any, source: str) -> object:
+    """Return the number in an array of shape ().
+
+    Raises:
+        ExpressionError: a library that differentiates, as JAX, sees a variable in it: its number has no derivative.
+    """
+    alone = value.item()
+    if isinstance(alone, float):
+        try:
+            float(value)
+        except TypeError:
+            raise ExpressionError(
+                f"{source}: expected one finite real number, got {_shown(value)}", source=source
+            ) from None
+    return alone
 
 
 def _shown(value: object) -> str:

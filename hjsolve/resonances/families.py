@@ -159,8 +159,13 @@ class Well:
         """
         if self.round or other.round:
             return self.round and other.round
-        shifts = (-turn, 0.0, turn) if turn else (0.0,)
-        return any(self.low < other.high + s and other.low + s < self.high for s in shifts)
+        least = min(self.high - self.low, other.high - other.low) / 2
+        # the ends are samples outside: those of two wells with a barrier between them may overlap by a sample or two
+        for s in (-turn, 0.0, turn) if turn else (0.0,):
+            inside = self.low < other.top + s < self.high or other.low < self.top - s < other.high
+            if inside or min(self.high, other.high + s) - max(self.low, other.low + s) > least:
+                return True
+        return False
 
 
 Wells = tuple[Well, ...]
@@ -217,7 +222,7 @@ def wells_of(curves: Sequence[RadicandCurve], κ: Reals) -> list[Wells]:
 
 
 def _wells(curve: RadicandCurve, κ: Reals) -> list[Well]:
-    q, squared = _with_extrema(curve, κ)
+    q, squared = with_extrema(curve, κ)
     positive = squared > 0
     if curve.turn and positive.all():
         best = float(q[int(np.argmax(squared))])
@@ -234,10 +239,13 @@ def _wells(curve: RadicandCurve, κ: Reals) -> list[Well]:
     return found
 
 
-def _with_extrema(curve: RadicandCurve, κ: Reals) -> tuple[Reals, Reals]:
+def with_extrema(curve: RadicandCurve, κ: Reals) -> tuple[Reals, Reals]:
     """Return samples and p² there, with the extrema between samples at which p² has another sign than next to them.
 
     A barrier or a well that is narrower than the samples are apart is seen by them.
+
+    Args:
+        κ: constants, shape (k,).
     """
     q = curve.samples()
     squared = curve.value(q, κ)

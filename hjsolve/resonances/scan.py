@@ -1,13 +1,14 @@
 """A family of motions looked through in doubles: frequencies on its grid, and between which values an equation is met.
 
 Towards the ends of a chain of motions (a separatrix, a circle, an escape) the grid is continued by halves of what is
-left, since frequencies go to 0 there like 1/ln.
+left, since frequencies go to 0 there like 1/ln. Where an equation comes near to being met between two values of the
+grid, as at an extremum of a frequency, the grid is made finer.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,11 +21,17 @@ from hjsolve.errors import HJSolveError
 from hjsolve.motion.formulas_at_places import tape_of, values_at
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
 from hjsolve.resonances.equations import Equation
-from hjsolve.resonances.families import OneParameterFamily, Well, Wells, place_in, wells_of
+from hjsolve.resonances.families import OneParameterFamily, Well, Wells, place_in, wells_of, with_extrema
 from hjsolve.resonances.members import member_of
 
 _HALVINGS_TO_AN_END, _TOWARDS = 60, 44
 """Bisections that find where a chain of motions ends, and steps towards there, each half of what is left."""
+_FINER, _PARTS = 8, 8
+"""How often the grid is made finer about a place where an equation is nearly met, and into how many parts."""
+_DEEP = 0.9
+"""Least value of a parabola, over that at the middle one of three motions, above which no more are looked at."""
+_NOISE = 1e-13
+"""Relative residual below which doubles do not tell whether an equation is met."""
 _DEGENERATE = 1e-11
 """Largest relative residual, all along a chain, at which the equation is taken to hold for all of its motions."""
 
@@ -76,8 +83,7 @@ def scanned(
     """
     chains = _chains(family, curves, grid, kinds)
     chains = [_to_the_ends(family, curves, chain, grid, kinds) for chain in chains]
-    points = [point for chain in chains for point in chain]
-    rates, good = _rates(family, curves, points)
+    chains, rates, good = _seen_finely(family, curves, equation, chains, kinds)
     brackets, tails, degenerate, begin = list[Bracket](), list[_Tail](), False, 0
     for chain in chains:
         part = slice(begin, begin + len(chain))
@@ -92,14 +98,18 @@ def scanned(
                 brackets.append(Bracket(chain[k][0], chain[m][0], chain[k][1]))
         if len(seen) < 3:
             continue
+        own = np.array([u for u, _ in chain])
         tails += [
-            _Tail(chain[k], _past(grid, chain[k][0], side), float(value[k]))
+            _Tail(chain[k], _past(own, chain[k][0], side), _past(grid, own[-1 if side > 0 else 0], side), value[k])
             for k, m, side in ((seen[0], seen[1], -1), (seen[-1], seen[-2], 1))
             if value[k] * (value[k] - value[m]) < 0
         ]
+    followed = [_followed(family, curves, equation, tail) for tail in tails]
+    brackets += [found for found in followed if isinstance(found, Bracket)]
     if not brackets:
-        brackets = [found for tail in tails if (found := _beyond(family, curves, equation, tail)) is not None]
-    known = np.array([u for u, _ in points])[good]
+        left = [tail for tail in followed if isinstance(tail, _Tail)]
+        brackets = [found for tail in left if (found := _beyond(family, curves, equation, tail)) is not None]
+    known = np.array([u for chain in chains for u, _ in chain])[good]
     first, last = (float(np.min(known)), float(np.max(known))) if len(known) else (np.nan, np.nan)
     return Scan(tuple(brackets), first, last, {name: rate[good] for name, rate in rates.items()}, degenerate)
 
@@ -114,28 +124,107 @@ class _Tail:
 
     Attributes:
         last: the last motion known.
-        beyond: values of the grid past it, the next first.
+        rest: unknowns of the chain past it, the next first.
+        beyond: values of the grid past the chain, the next first.
         value: of the equation at ``last``.
+        outside: an unknown without a motion; NaN for none.
     """
 
     last: _Point
+    rest: Reals
     beyond: Reals
     value: float
+    outside: float = np.nan
 
 
-def _past(grid: Reals, u: float, side: int) -> Reals:
-    return grid[grid > u] if side > 0 else grid[grid < u][::-1]
+def _past(values: Reals, u: float, side: int) -> Reals:
+    return values[values > u] if side > 0 else values[values < u][::-1]
+
+
+def _seen_finely(
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], equation: Equation, chains: list[list[_Point]],
+    kinds: Mapping[str, str],
+) -> tuple[list[list[_Point]], dict[str, Reals], Reals]:  # fmt: skip
+    """Return chains that are finer where the equation is nearly met, their frequencies, and which are known."""
+    for _ in range(_FINER):
+        rates, good = _rates(family, curves, [point for chain in chains for point in chain])
+        finer, begin = [], 0
+        for chain in chains:
+            part = slice(begin, begin + len(chain))
+            begin += len(chain)
+            value, size = equation.of({name: rate[part] for name, rate in rates.items()})
+            finer.append(_divided(family, curves, kinds, chain, np.where(good[part], value, np.nan), size))
+        if sum(map(len, finer)) == begin:
+            return chains, rates, good
+        chains = finer
+    return chains, *_rates(family, curves, [point for chain in chains for point in chain])
+
+
+def _divided(
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], kinds: Mapping[str, str], chain: list[_Point],
+    value: Reals, size: Reals,
+) -> list[_Point]:  # fmt: skip
+    """Return a chain with more motions next to those at which the equation is nearer to being met than beside them."""
+    result = list(chain)
+    u = np.array([place for place, _ in chain])
+    for k in np.flatnonzero(_nearly_met(u, value, size)) + 1:
+        for end in (k - 1, k + 1):
+            for v in np.linspace(u[end], u[k], _PARTS + 1)[1:-1]:
+                there = _continued(family, curves, float(v), chain[k][1], kinds)
+                if there is not None and v not in (u[end], u[k]):
+                    result.append((float(v), there))
+    return sorted(result, key=lambda point: point[0])
+
+
+def _nearly_met(u: Reals, value: Reals, size: Reals) -> Reals:
+    """Tell of all motions but the first and the last whether an equation may be met twice next to them.
+
+    It has one sign there, is least at the middle one, and a parabola through the three comes nearer to 0.
+    """
+    if len(u) < 3:
+        return np.zeros(0, dtype=bool)
+    left, middle, right = value[:-2], value[1:-1], value[2:]
+    with np.errstate(all="ignore"):
+        h, k = u[:-2] - u[1:-1], u[2:] - u[1:-1]
+        bend = ((left - middle) / h - (right - middle) / k) / (h - k)
+        slope = (left - middle) / h - bend * h
+        least = (middle - slope**2 / (4 * bend)) / middle
+        return np.asarray(
+            (left / middle >= 1) & (right / middle >= 1) & (least < _DEEP) & (np.abs(middle) > _NOISE * size[1:-1])
+        )
+
+
+def _followed(
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], equation: Equation, tail: _Tail
+) -> Bracket | _Tail:  # fmt: skip
+    """Look, by single motions, at those of a chain that doubles do not know; return what is left where none meets it.
+
+    The last of them first: towards an end the equation is met once at most.
+    """
+    (inside, wells), outside = tail.last, tail.outside
+    first, after, k, met = 0, len(tail.rest), len(tail.rest) - 1, False
+    while first < after:
+        u = float(tail.rest[k])
+        value = _by_a_single_motion(family, curves, equation, (u, wells))
+        if value is not None and value * tail.value > 0:
+            inside, first = u, k + 1
+        else:
+            outside, after, met = u, k, value is not None
+        k = (first + after) // 2
+    if met:
+        return Bracket(min(inside, outside), max(inside, outside), wells)
+    return replace(tail, last=(inside, wells), outside=outside)
 
 
 def _beyond(
     family: OneParameterFamily, curves: Sequence[RadicandCurve], equation: Equation, tail: _Tail
 ) -> Bracket | None:  # fmt: skip
-    """Look, by single motions, between the last motion that doubles know and the end of the chain.
+    """Look, by single motions, between the last motion that is known and the end of the chain.
 
     First at the values of the grid until one has no motion; then the end is halved in on.
     """
     inside, wells = tail.last
-    grid, outside = list(tail.beyond), np.nan
+    grid, outside = list(tail.beyond), tail.outside
     for _ in range(2 * _TOWARDS):
         u = float(grid.pop(0)) if np.isnan(outside) and grid else (inside + outside) / 2
         if u in (inside, outside) or np.isnan(u):
@@ -232,7 +321,7 @@ def _continued(
         top = place_in(curve, κ, well)
         if not float(curve.value(np.array([top]), κ)[0]) > 0:
             return None
-        if well.round and not np.all(curve.value(curve.samples(), κ) > 0):
+        if well.round and not np.all(with_extrema(curve, κ)[1] > 0):
             return None
         found.append(Well(well.low, well.high, top, well.round))
     combinations = [w for w in wells_of(curves, κ) if _same(curves, w, wells) and _allowed(curves, w, kinds)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 
@@ -92,6 +93,51 @@ def test_what_has_no_derivatives_is_refused(orbits):
             orbits(Q, P)
     finally:
         jax.config.update("jax_enable_x64", True)
+
+
+def test_all_is_computed_with_subnormal_numbers_though_jax_takes_them_for_0(orbits, monkeypatch):
+    """JAX calls back with flags of the processor under which bounds on errors need not hold."""
+    tiny = np.array([5e-324, 1e-310])
+    seen = []
+    for name in ("values", "derivatives"):
+        own = getattr(hjsolve.jax._Outside, name)
+        monkeypatch.setattr(
+            hjsolve.jax._Outside, name, lambda self, *x, own=own: seen.append(tiny * np.ones(2)) or own(self, *x)
+        )
+    jax.jit(jax.grad(lambda l: orbits({"r": 1.0, "theta": 0.0}, {"r": 0.1, "theta": l})["actions"]["r"]))(0.9)
+    orbits({"r": 1.0, "theta": 0.0}, {"r": 0.1, "theta": 0.9})
+    assert len(seen) == 2
+    np.testing.assert_array_equal(seen, [tiny, tiny])
+
+
+def test_an_ensemble_where_subnormal_numbers_are_0():
+    """The cell about 0 of the table of disks has no width there."""
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/5")
+
+    def action(x):
+        return hjsolve.ensemble(system, q={"x": np.asarray(x)}, p={"x": 0.0}, want={"actions"}).actions["x"]
+
+    found = jax.pure_callback(action, jax.ShapeDtypeStruct((), np.float64), jax.numpy.asarray(2.0))
+    # J = (2/π) √(2E) x ∫₀¹ √(1 − s⁴) ds
+    exact = 2 / np.pi * np.sqrt(2 * 16 / 5) * 2 * np.sqrt(np.pi) * math.gamma(1.25) / (2 * math.gamma(1.75))
+    np.testing.assert_allclose(found, exact, rtol=1e-14, atol=0)
+
+
+def test_derivatives_that_there_are_not_are_refused_where_they_are_asked_for(orbits):
+    def action(l):
+        return orbits({"r": 1.0, "theta": 0.0}, {"r": 0.1, "theta": l})["actions"]["r"]
+
+    with pytest.raises(hjsolve.InvalidInputError, match="no second derivatives"):
+        jax.grad(jax.grad(action))(0.9)
+    with pytest.raises(hjsolve.InvalidInputError, match=r"parameter k: expected one finite real number, got .*Tracer"):
+        jax.grad(lambda k: hjsolve.jax.ensemble("kepler-planar", parameters={"k": k})(Q, P)["actions"]["r"][0])(1.0)
+    kinked = hjsolve.jax.ensemble(hjsolve.System({"x": "line"}, "dot(x)**2/2", "abs(x)"))
+    assert kinked({"x": 0.2}, {"x": 1.0})["status"] == 0
+    with pytest.raises(hjsolve.InvalidSystemError, match="kink"):
+        jax.grad(lambda p: kinked({"x": 0.2}, {"x": p})["actions"]["x"])(1.0)
+    mixed = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "x**4/4 + y**4/4 + 3*x**2*y**2/2")
+    with pytest.raises(hjsolve.InvalidInputError, match=r"give solution\.system"):
+        hjsolve.jax.ensemble(hjsolve.solve(mixed, coordinates="find"))
 
 
 @pytest.mark.nightly

@@ -95,3 +95,19 @@ REFUSED += [
 def test_what_is_not_one_finite_real_number_is_refused(value):
     with pytest.raises(ExpressionError, match="initial r"):
         number(value, source="initial r")
+
+
+def test_a_variable_that_a_library_differentiates_by_is_no_number():
+    """A tracer of JAX has shape and item(): the number alone would have the derivative 0."""
+
+    class Traced:
+        shape = ()
+
+        def item(self):
+            return 0.5
+
+        def __float__(self):
+            raise TypeError("traced")
+
+    with pytest.raises(ExpressionError, match="k: expected one finite real number, got Traced"):
+        number(Traced(), source="k")

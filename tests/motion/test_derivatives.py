@@ -164,6 +164,21 @@ def test_sign_of_a_backward_rotation(pendulum):
         assert one > 0
 
 
+@pytest.mark.parametrize(("p", "digits"), [("2.08", 30), ("1.69", 15), ("-1.6735", 15)])
+def test_a_rotation_over_its_elliptic_map_beside_another_coordinate(p, digits):
+    """p/(dq/dχ) and dt/dχ are constant over the map of a pendulum: they do not tell how many nodes their slopes take."""
+    system = System({"x": "line", "y": "angle"}, "(dot(x)**2 + dot(y)**2)/2", "x**2/2 + 7/10*(1 - cos(y))")
+    motion = hjsolve.solve(system).motion(q={"x": 1, "y": 0}, p={"x": 0, "y": p}, digits=digits)
+    d = motion.derivatives({"frequencies"}, {"constants"})
+
+    def Ω(α):
+        # ∮ dy/√(2α − 4 g sin²(y/2)) = 4 K(2g/α)/√(2α)
+        return many.pi * many.sqrt(2 * α) / (2 * many.ellipk(2 * many.mpf("0.7") / α))
+
+    slope = many.diff(Ω, many.mpf(p) ** 2 / 2) * many.sign(many.mpf(p))
+    assert within(d.value["frequencies"]["y"]["alpha_2"], d.error["frequencies"]["y"]["alpha_2"], slope)
+
+
 def test_a_rotation_along_a_line_whose_period_is_a_parameter():
     """V = −cos(κx): J = (1/2π) ∮ p dx over 2π/κ goes like 1/κ at fixed E."""
     system = System({"x": "line"}, "dot(x)**2/2", "-cos(kappa*x)", {"kappa": "1.5"})

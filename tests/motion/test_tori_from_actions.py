@@ -167,7 +167,7 @@ def test_actions_that_no_torus_has_are_refused_with_the_range(V, J, least_and_mo
 
 
 def test_no_pendulum_rotates_slower_than_on_its_separatrix():
-    with pytest.raises(hjsolve.InvalidInputError, match=r"to 7\.98 .*rotations with abs\(J_theta\) from 3\.99 on"):
+    with pytest.raises(hjsolve.InvalidInputError, match=r"no bounded .*to 7\.98 .*rotations with abs\(J_theta\) from 3\.99 on"):
         entries.solved("pendulum").motion(actions={"theta": "3.98"}, kinds={"theta": "rotation"})
 
 
@@ -300,3 +300,12 @@ def test_wells_an_angstrom_apart_are_listed():
     with pytest.raises(hjsolve.InvalidInputError, match="several tori") as said:
         hjsolve.solve(wells).motion(actions={"x": "1e-34"})
     assert str(said.value).count("libration from") == 2
+
+
+def test_an_action_that_there_is_beyond_the_search_is_not_said_to_be_out_of_range():
+    """V ~ −1/x² far out: J grows like −ln(−E)/(√2·2) without bound, and J = 100 belongs to E near −1e-190."""
+    well = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "-1/(1 + x**2)"))
+    with pytest.raises(hjsolve.InvalidInputError, match=r"x 100 was not found, though there are about .* from 0 on"):
+        well.motion(actions={"x": 100})
+    with pytest.raises(hjsolve.InvalidInputError, match="no bounded motion with x -1 was found"):
+        well.motion(actions={"x": -1})

@@ -190,3 +190,51 @@ def test_wells_that_join_above_a_barrier_have_their_tori_too():
         x = (low + high) / 2 - (high - low) / 2 * np.cos(anomaly)
         p = np.sqrt(2 * (motion.constants["E"].value - x**4 / 4 + x**2 / 2 - x / 20))
         np.testing.assert_allclose(1 / np.mean(np.sin(anomaly) / p * (high - low) / 2), 1.2, rtol=1e-9, atol=0)
+
+
+def rate_between(V, E, low, high, nodes=2000):
+    """Return 2π/∮ dx/p by the midpoint rule in the anomaly, x = (low + high)/2 − (high − low)/2 cos χ."""
+    anomaly = (np.arange(nodes) + 0.5) * np.pi / nodes
+    x = (low + high) / 2 - (high - low) / 2 * np.cos(anomaly)
+    return 1 / np.mean(np.sin(anomaly) / np.sqrt(2 * (E - V(x))) * (high - low) / 2)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("nearness", [1e-4, 1e-6, 1e-9])
+def test_two_tori_next_to_the_least_frequency(nearness):
+    """Ω(E) falls and rises again: next to its minimum the equation is met twice between two values of a grid."""
+    solution = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2/2 - x**4/10 + x**6/100"))
+    places = np.linspace(1.976, 1.977, 2001)
+    rates = hjsolve.ensemble(solution, q={"x": places}, p={"x": 0.0}, want={"frequencies"}).frequencies["x"]
+    asked = float(rates.min()) * (1 + nearness)
+    found = solution.torus(frequencies={"x": asked})
+    assert len(found) == 2
+    turning = []
+    for motion in found:
+        low, high = (end.value for end in motion.turning_points["x"])
+        rate = rate_between(lambda x: x**2 / 2 - x**4 / 10 + x**6 / 100, motion.constants["E"].value, low, high)
+        np.testing.assert_allclose(rate, asked, rtol=1e-9, atol=0)
+        turning.append(high)
+    assert turning[0] < places[np.argmin(rates)] < turning[1]
+
+
+@pytest.mark.nightly
+def test_two_wells_and_what_goes_round_have_a_torus_each():
+    """The top of the barrier lies between samples: wells on both sides of it do not join below it."""
+    solution = hjsolve.solve(hjsolve.System({"x": "angle"}, "dot(x)**2/2", "-3/10*cos(x) - cos(2*x)"))
+    found = solution.torus(frequencies={"x": "0.6"})
+    assert [motion.kinds["x"] for motion in found] == ["libration", "libration", "rotation"]
+    top = 1.01125
+    assert [float(motion.constants["E"].value) > top for motion in found] == [False, False, True]
+    wells = [sorted(float(end.value) for end in motion.turning_points["x"]) for motion in found[:2]]
+    assert sorted(np.cos(np.mean(ends)) > 0 for ends in wells) == [False, True]
+    for motion in found:
+        E = motion.constants["E"].value
+        if motion.kinds["x"] == "libration":
+            rate = rate_between(
+                lambda x: -3 * np.cos(x) / 10 - np.cos(2 * x), E, *(end.value for end in motion.turning_points["x"])
+            )
+        else:
+            x = np.arange(4000) * 2 * np.pi / 4000
+            rate = 1 / np.mean(1 / np.sqrt(2 * (E + 3 * np.cos(x) / 10 + np.cos(2 * x))))
+        np.testing.assert_allclose(rate, 0.6, rtol=1e-9, atol=0)

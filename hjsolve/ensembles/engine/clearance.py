@@ -273,6 +273,8 @@ def _depth(cells: Integers, radius_at: RadiusAt) -> Integers:
             found = radius_at(middles, halves * 2.0**-DEEPEST).reshape(-1, 16)
             radius[uneven] = np.where(found > 0, found, np.inf).min(axis=1)
         depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, DEEPEST)
+    # the cell about 0 has no width where the processor is told to take subnormal numbers for 0
+    depth = np.where(half > 0, depth, 0)
     return np.where(np.isfinite(centre), depth, 0).astype(np.int64)
 
 

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth
 from hjsolve.arithmetic.number_types import Context, Counts, Mpf, Numbers
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, required
 from hjsolve.motion.derivatives.bounded import Bounded, converted, stacked
 from hjsolve.motion.derivatives.formulas import AtPlace, Evaluation, SquareDerivatives
 from hjsolve.motion.derivatives.slopes import Slopes
@@ -253,8 +253,10 @@ def cycle_variations(
     ends = None
     if not coordinate_motion.rotates:
         ends = tuple(_end_by(rule.at(context.convert(end))) for end in coordinate_motion.turning_points)
-    # ω_b and ρ_b are as analytic as p itself: its number of nodes is where to begin
-    nodes = max(coordinate_motion.momentum.nodes, coordinate_motion.nodes, 8)
+    # ω_b and ρ_b are as analytic as p itself: its number of nodes is where to begin; that of p dq/dχ too, since p and
+    # k_j may be constant over the elliptic map of a pendulum, and then tell nothing of its strip
+    known = (coordinate_motion.momentum, required(coordinate_motion.density))
+    nodes = max(*(s.nodes for s in known), coordinate_motion.nodes, 8)
     for _ in range(_ATTEMPTS):
         rows, sizes = zip(
             *(

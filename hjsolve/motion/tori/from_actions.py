@@ -177,7 +177,7 @@ def motion_on_torus(
     left = _left(solution, asked.curves, list(candidates_of(asked, kinds)), (q or {}, kinds))
     tori = tori_of(asked, left)
     if not tori:
-        raise InvalidInputError(_no_torus(asked))
+        raise InvalidInputError(_no_torus(asked, kinds))
     # J does not tell wells of equal area, or motions inside and above a barrier, from one another
     if len(tori) > 1:
         words = "; ".join(sorted(_in_words(asked.curves, candidate) for candidate, _ in tori))
@@ -364,7 +364,7 @@ def _in_words(curves: Sequence[RadicandCurve], candidate: Candidate) -> str:
     return ", ".join(parts)
 
 
-def _no_torus(asked: AskedTorus) -> str:
+def _no_torus(asked: AskedTorus, kinds: Mapping[str, str]) -> str:
     words = ", ".join(f"{name} {float(to_bits(x)(64)):.6g}" for name, x in asked.actions.items())
     ranges = action_ranges(asked.solution, asked.values, asked.curves, wanted_of(asked))
     if not ranges:
@@ -374,6 +374,13 @@ def _no_torus(asked: AskedTorus) -> str:
         )
     name = asked.curves[0].name
     told = "; ".join(sorted({_range_in_words(name, one) for one in ranges}))
+    J = float(to_bits(asked.actions[name])(64))
+    meant = [one for one in ranges if kinds.get(name) in (None, one.kind)]
+    if any(one.least <= (abs(J) if one.kind == "rotation" else J) <= one.most for one in meant):
+        return (
+            f"actions: the motion with {words} was not found, though there are about {told}: it may lie nearer to an "
+            "escape or a separatrix than is looked. Give constants={…} or q={…} and p={…}"
+        )
     return f"actions: no bounded motion with {words} was found; librations need J >= 0; there are about {told}"
 
 
