@@ -31,11 +31,11 @@ import sympy as sp
 from hjsolve.closed_form.coefficients_by_roots import far_points, in_roots
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import written_out
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.tidy import linear_in, longer_than
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.precision import mp
 
-Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 COMPLETE = (sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi)
 _LONGEST = 250
 """Operations of a coefficient that is factored: longer ones may take sympy seconds."""

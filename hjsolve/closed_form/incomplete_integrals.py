@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from hjsolve.closed_form.complete_integrals import Where
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.tidy import linear_in, longer_than
 from hjsolve.functions import CarlsonRJ
 

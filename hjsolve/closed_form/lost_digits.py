@@ -19,6 +19,7 @@ from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.arithmetic.running_error import WithErrorBound
 from hjsolve.closed_form.doubles import RootsOfPolynomial, Solved
 from hjsolve.closed_form.programs import Program
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.two_arithmetics import DoublesWithBounds, PairsOfForms
 from hjsolve.errors import InvalidInputError
 
@@ -29,8 +30,6 @@ _FINER = 2.0**-47
 _NEWTON_STEPS = 3
 """Of Newton's rule to a root in two doubles: the double next to it is known, and each step doubles the digits."""
 _PAIRS = DoubleDouble()
-
-Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 
 
 class FormInTwoDoubles:

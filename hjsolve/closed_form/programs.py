@@ -6,7 +6,7 @@ cases, angles of points and elliptic functions besides.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from operator import and_, invert, or_
 from typing import Any, Protocol
@@ -26,7 +26,7 @@ _ELLIPTIC = frozenset({
 })  # fmt: skip
 _BY_SQUARE_ROOTS = 4, 8
 """Denominators of powers that are square roots of square roots: |a|^(1/4) of small oscillations."""
-_MASKS = {"And": and_, "Or": or_, "Not": invert}
+_MASKS: Mapping[str, Callable[..., Any]] = {"And": and_, "Or": or_, "Not": invert}
 _OF_FORMS = frozenset({"atan2", "sign", "positive", "either"})
 """Steps that are methods of an arithmetic of forms."""
 

@@ -12,9 +12,10 @@ from collections.abc import Iterator, Mapping
 
 import sympy as sp
 
-from hjsolve.closed_form.complete_integrals import Where, roots_by_polynomial
+from hjsolve.closed_form.complete_integrals import roots_by_polynomial
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pairs_by_division import remaining_pair
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.tidy import elliptic, longer_than
 
 _LONGEST = 80
