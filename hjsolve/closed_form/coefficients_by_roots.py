@@ -31,6 +31,7 @@ def in_roots(expression: sp.Expr, roots: Mapping[sp.Poly, Mapping[sp.Symbol, int
         roots: polynomial → root → its number.
     """
     for P, numbers in roots.items():
+        # of one family alone: a product over roots of two names would be another polynomial
         for named in _families(P, numbers):
             if expression.free_symbols & set(named):
                 table = _letters(P, named)

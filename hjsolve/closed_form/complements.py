@@ -128,6 +128,7 @@ class ForDoubles:
             P, c = meaning[0], -sign * c
             others = [*{k: s for s, k in named[P].items() if k != meaning[1]}.values()]
             value, rest = sp.factor(P.as_expr().subs(P.gen, c)), self._rest(P, [x, *others], c)
+            # P(c) of several terms cancels by itself: the lost digits would be moved, not kept
             if value.is_Add or value == 0 or rest is None or not all(s in roots for s in others):
                 continue
             side = sp.Integer(1 if roots[x] > c else -1)

@@ -138,6 +138,7 @@ class CompleteIntegrals:
         a pole of another kind, at infinity, and the rest of the own one do where a root is far away.
         """
         parts, value = self._parts(own) if poles else [own], sp.S.Zero
+        # near poles first: they take the parts that cancel with them, the far ones what is left
         for pole in sorted(poles, key=lambda pole: not self._near(pole.A)):
             near = self._near(pole.A)
             # what grows next to the same pole is put together before anything is rounded
@@ -157,6 +158,7 @@ class CompleteIntegrals:
         factors = sp.Mul.make_args(sp.factor(sp.together(explicit)))
         whole = [f for f in factors if f.as_base_exp()[1].is_Integer]
         rest = sp.Mul(*(f for f in factors if f not in whole))
+        # of 1/((1 − x)(1 + x)) only the term with 1 − x grows with the pole at 1
         return [rest * sp.factor(part) for part in sp.Add.make_args(sp.apart(sp.Mul(*whole), near[0]))]
 
     def _near(self, coefficient: sp.Expr) -> set[tuple[sp.Symbol, sp.Expr]]:

@@ -71,6 +71,7 @@ class FormInTwoDoubles:
         for roots, index in self._roots.values():
             found, _ = roots.once(table, shape, solved)
             size = abs(found.roots[index])
+            # the form in doubles is given the root as a double, however well it is known
             numbers.append(WithErrorBound(found.roots[index], np.fmax(found.errors[index], EPS * size)))
         error = self._program.run(DoublesWithBounds(), numbers).error
         return np.broadcast_to(0.0 if error is None else error, shape)

@@ -148,6 +148,7 @@ def _with_turns_passed(
         passed += [(count, own)] if count else []
     places = [(1, inside)]
     for count, own in passed:
+        # at the end itself tan(q/2) is infinite: next to it, and from both sides
         half = own.turn * (sp.S.Half - sp.Integer(10) ** -digits)
         middle, half = (e.xreplace(dict(exact)) for e in (own.middle, half))
         places += [(side * count, inside | {own.symbol: middle + side * half}) for side in (1, -1)]

@@ -124,6 +124,7 @@ class _FormWriter(TapeWriter):
     def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
         if not exponent.is_Rational or exponent.q not in _BY_SQUARE_ROOTS:
             return super()._power(base, exponent)
+        # exp(¼ log a) has an error that grows with log a, and no number at a = 0
         root = self._emit("sqrt", (self.slot(base ** sp.Rational(2, exponent.q)),))
         return root if exponent.p == 1 else self._emit("power", (root,), (int(exponent.p),))
 
@@ -143,6 +144,7 @@ class _FormWriter(TapeWriter):
             more = self._emit("sub", (self.slot(c.gts), self.slot(c.lts)))
             if isinstance(c, sp.StrictGreaterThan | sp.StrictLessThan):
                 return self._emit("positive", (more,))
+            # x ≥ y is that y − x is not positive: so equal numbers hold
             return self._emit("Not", (self._emit("positive", (self._emit("neg", (more,)),)),))
         raise InvalidInputError(f"two doubles do not decide {c}")
 

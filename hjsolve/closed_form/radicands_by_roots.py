@@ -62,6 +62,7 @@ class RadicandsByRoots:
         radicand = sp.Poly(own, x)
         for P, factors in self._factors:
             if radicand.degree() == P.degree():
+                # the same radicand up to a factor, which stays outside of the product over the roots
                 c = radicand.LC() / P.LC()
                 if all(sp.expand(sp.numer(sp.together(a - c * b))) == 0
                        for a, b in zip(radicand.all_coeffs(), P.all_coeffs(), strict=True)):  # fmt: skip

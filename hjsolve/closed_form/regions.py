@@ -422,6 +422,7 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
         if s.closed and abs(place - middle_of(curve, numbers)) > turn / 2 + tolerance:
             return False
         first, last = (number_of(end, numbers) for end in curve.ends)
+        # an end that is not real, as a horizon with a > M: there is no domain, and no place in it
         if mp.im(first) != 0 or mp.im(last) != 0:
             return False
         if not s.closed and not first - tolerance <= place <= last + tolerance:
