@@ -71,7 +71,7 @@ class FormulasForArrays:
     @staticmethod
     def _bound(error: Pair, zero: Reals) -> Reals:
         found = SECOND_ORDER * abs(error.high) + zero
-        # nan is no bound: such an element is left to 50 digits
+        # nan is not a bound: such an element is left to 50 digits
         return np.where(np.isnan(found), np.inf, found)
 
 
