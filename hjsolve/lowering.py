@@ -35,7 +35,7 @@ def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tap
     Raises:
         InvalidInputError: a function or symbol that has no numerical value.
     """
-    writer = _Writer(tuple(arguments))
+    writer = TapeWriter(tuple(arguments))
     outputs = tuple(writer.slot(without_inverse_functions(expression)) for expression in expressions)
     return Tape(tuple(str(s) for s in arguments), tuple(writer.operations), outputs)
 
@@ -180,8 +180,12 @@ def _times_exponential(term: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     return sp.Mul(*rest, sp.exp(sp.expand(exponent + sum(f.args[0] for f in factors if isinstance(f, sp.exp)))))
 
 
-class _Writer:
-    """Gives each different subexpression one slot."""
+class TapeWriter:
+    """Gives each different subexpression one slot.
+
+    Args:
+        arguments: the inputs, in order.
+    """
 
     def __init__(self, arguments: tuple[sp.Symbol, ...]):
         self.known: dict[sp.Expr, int] = {symbol: i for i, symbol in enumerate(arguments)}
@@ -190,6 +194,11 @@ class _Writer:
         self.inputs = len(arguments)
 
     def slot(self, e: sp.Expr) -> int:
+        """Return the slot of a subexpression, which is written where it is new.
+
+        Args:
+            e: of the inputs, or of what has a slot.
+        """
         if e not in self.known:
             self.known[e] = self._write(e)
         return self.known[e]

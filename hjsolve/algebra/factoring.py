@@ -39,14 +39,15 @@ def factors_of(a: Poly) -> list[tuple[Poly, int]]:
     return factors
 
 
-def factored(expression: sp.Expr) -> sp.Expr:
+def factored(expression: sp.Expr, generators: int = MAX_GENERATORS) -> sp.Expr:
     """Return a polynomial in whatever it holds as a product of factors, irreducible where that is cheap.
 
     Args:
         expression: a polynomial in symbols, functions and roots, with rational coefficients; others come back as given.
+        generators: how many symbols, functions and roots it may hold, or it comes back as given.
     """
     made = expression.as_poly()
-    if made is None or made.domain not in (sp.ZZ, sp.QQ) or len(made.gens) > MAX_GENERATORS:
+    if made is None or made.domain not in (sp.ZZ, sp.QQ) or len(made.gens) > generators:
         return expression
     primitive = made.clear_denoms(convert=True)[1].primitive()[1]
     ring = sp.polys.rings.ring([f"g{k}" for k in range(len(made.gens))], sp.ZZ)[0]

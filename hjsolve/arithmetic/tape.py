@@ -114,7 +114,7 @@ class Tape:
         slots = list(values)
         try:
             for operation in self.operations:
-                slots.append(_apply(arithmetic, operation, slots))
+                slots.append(applied(arithmetic, operation, slots))
         except ZeroDivisionError as fault:
             raise InvalidInputError(_POLE) from fault
         return [slots[i] for i in self.outputs]
@@ -134,7 +134,7 @@ class Tape:
         for operation in self.operations:
             place = len(slots)
             if varying.isdisjoint(operation.operands):
-                slots.append(_apply(arithmetic, operation, slots))
+                slots.append(applied(arithmetic, operation, slots))
             else:
                 varying.add(place)
                 slots.append(None)
@@ -215,7 +215,14 @@ def _step(arithmetic: Arithmetic[N], operation: Operation) -> tuple[Callable[...
     return quick or partial(arithmetic.unary, code), operands[0], -1
 
 
-def _apply(arithmetic: Arithmetic[N], operation: Operation, slots: Sequence[N]) -> N:
+def applied(arithmetic: Arithmetic[N], operation: Operation, slots: Sequence[N]) -> N:
+    """Return what an operation makes of the slots before it.
+
+    Args:
+        arithmetic: of the slots.
+        operation: one line of a tape.
+        slots: filled so far.
+    """
     code, operands = operation.code, operation.operands
     match code:
         case "add":

@@ -16,8 +16,8 @@ from types import MappingProxyType
 
 import sympy as sp
 
-from hjsolve.closed_form.complete_integrals import Where
 from hjsolve.closed_form.named_quantities import written_out
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.tidy import elliptic, longer_than, operations
 
 _LONGEST = 40

@@ -13,12 +13,10 @@ from itertools import combinations
 import mpmath
 import sympy as sp
 
-from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.regions import ordered_real_roots
+from hjsolve.closed_form.regions import Where, ordered_real_roots, with_named
 from hjsolve.precision import mp
 
-Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 _FAR = 2**-10
 """Part of a letter at which the root that it sends to infinity is far away."""
 _DIGITS = 30
@@ -33,6 +31,7 @@ def in_roots(expression: sp.Expr, roots: Mapping[sp.Poly, Mapping[sp.Symbol, int
         roots: polynomial → root → its number.
     """
     for P, numbers in roots.items():
+        # of one family alone: a product over roots of two names would be another polynomial
         for named in _families(P, numbers):
             if expression.free_symbols & set(named):
                 table = _letters(P, named)
@@ -89,16 +88,10 @@ def _sends_far(P: sp.Poly, letter: sp.Symbol) -> bool:
 
 def _with_names(where: Where, point: Mapping[sp.Symbol, mpmath.mpf]) -> dict[sp.Symbol, mpmath.mpf] | None:
     """Return a point with the values of the names that are real there; None where a root is not."""
-    known = dict(point)
-    for symbol, meaning in needed_names(where, where)[0].items():
-        if isinstance(meaning, tuple):
-            if not meaning[0].free_symbols_in_domain <= known.keys():
-                continue
-            values = ordered_real_roots(meaning[0], known, _DIGITS)
-            # a root that is complex there has no number among real roots: another regime
-            if len(values) < meaning[0].degree():
-                return None
-            known[symbol] = values[meaning[1]]
-        elif meaning.free_symbols <= known.keys():
-            known[symbol] = mp.re(number_of(meaning, known))
-    return known
+    try:
+        known = with_named(needed_names(where, where)[0], point, _DIGITS)
+    except IndexError:
+        return None
+    polynomials = {meaning[0] for symbol, meaning in where.items() if isinstance(meaning, tuple) and symbol in known}
+    # a root that is complex there has no number among real roots: another regime
+    return known if all(len(ordered_real_roots(P, known, _DIGITS)) == P.degree() for P in polynomials) else None

@@ -88,9 +88,7 @@ class CompiledRegime:
     @cached_property
     def arrange(self) -> ForDoubles | None:
         """How forms are arranged for doubles; None for mpmath's numbers."""
-        if not self.numpy:
-            return None
-        return ForDoubles.of(self.form)
+        return ForDoubles.of(self.form) if self.numpy else None
 
     @cached_property
     def many_digits(self) -> CompiledRegime:
@@ -154,9 +152,8 @@ class CompiledRegime:
         """Return the roots of a polynomial, made ready for arrays."""
         if polynomial not in self._polynomials:
             curves = (self.for_arrays(c).roots_like(polynomial) for c, _ in self.curves)
-            self._polynomials[polynomial] = next((own for own in curves if own is not None), None) or roots_of(
-                polynomial
-            )
+            found = next((own for own in curves if own is not None), None)
+            self._polynomials[polynomial] = found or roots_of(polynomial)
         return self._polynomials[polynomial]
 
     def definition(self, symbol: sp.Symbol, meaning: sp.Expr) -> tuple[list[sp.Symbol], _Compiled]:
@@ -360,6 +357,7 @@ class CompiledForm:
         with np.errstate(all="ignore"):
             turns = {own.place: own.turns_at(begun, own.begin, np.rint) for own in self.turned}
             for own in self.turned:
+                # of a rotation q is moved by the turns of q₀: the distance between them is that of the motion
                 flat[own.place] = begun[own.place] - turns[own.place] * own.turn(*begun)
             if any(times.any() for times in turns.values()):
                 gained = gained + self._gained(turns, flat)
@@ -377,6 +375,7 @@ class CompiledForm:
             self._blocks(own.at_end(places, 1, short), count) - self._blocks(own.at_end(places, -1, short), count)
             for short in (_SHORT, 2 * _SHORT)
         )
+        # what is left out next to an end is linear in the distance: twice the value at one less that at two
         return 2 * near - far
 
     def _blocks(self, places: Sequence[Reals], count: int) -> Reals:
@@ -423,6 +422,7 @@ class CompiledForm:
         if not len(kept):
             return
         some = {s: a[kept] for s, a in table.items()}
+        # roots of the whole block are of other shapes: those of the few are found anew
         again = self.in_two_doubles.again(some, (len(kept),), Solved())
         result[kept] = np.where(np.isfinite(again), again, result[kept])
         for k in kept[lost_in_two_doubles(again, error[kept])]:

@@ -21,7 +21,7 @@ from sympy.core.relational import Relational
 
 from hjsolve.closed_form.arcs import arcs_by_tangents, radicands_of
 from hjsolve.closed_form.common_factors import grouped
-from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
+from hjsolve.closed_form.complete_integrals import CompleteIntegrals, roots_by_polynomial
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.incomplete_integrals import IncompleteIntegrals
 from hjsolve.closed_form.named_forms import NamedForms
@@ -29,6 +29,7 @@ from hjsolve.closed_form.named_quantities import written_out
 from hjsolve.closed_form.numbers import at_example
 from hjsolve.closed_form.pairs_by_division import deflated_pair, remaining_pair
 from hjsolve.closed_form.radicands_by_roots import RadicandsByRoots
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.tidy import elliptic, longer_than, operations
 from hjsolve.precision import mp
 
@@ -127,6 +128,7 @@ class ForDoubles:
             P, c = meaning[0], -sign * c
             others = [*{k: s for s, k in named[P].items() if k != meaning[1]}.values()]
             value, rest = sp.factor(P.as_expr().subs(P.gen, c)), self._rest(P, [x, *others], c)
+            # P(c) of several terms cancels by itself: the lost digits would be moved, not kept
             if value.is_Add or value == 0 or rest is None or not all(s in roots for s in others):
                 continue
             side = sp.Integer(1 if roots[x] > c else -1)

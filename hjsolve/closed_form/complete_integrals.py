@@ -31,11 +31,11 @@ import sympy as sp
 from hjsolve.closed_form.coefficients_by_roots import far_points, in_roots
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import written_out
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.tidy import linear_in, longer_than
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.precision import mp
 
-Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 COMPLETE = (sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi)
 _LONGEST = 250
 """Operations of a coefficient that is factored: longer ones may take sympy seconds."""
@@ -138,6 +138,7 @@ class CompleteIntegrals:
         a pole of another kind, at infinity, and the rest of the own one do where a root is far away.
         """
         parts, value = self._parts(own) if poles else [own], sp.S.Zero
+        # near poles first: they take the parts that cancel with them, the far ones what is left
         for pole in sorted(poles, key=lambda pole: not self._near(pole.A)):
             near = self._near(pole.A)
             # what grows next to the same pole is put together before anything is rounded
@@ -157,6 +158,7 @@ class CompleteIntegrals:
         factors = sp.Mul.make_args(sp.factor(sp.together(explicit)))
         whole = [f for f in factors if f.as_base_exp()[1].is_Integer]
         rest = sp.Mul(*(f for f in factors if f not in whole))
+        # of 1/((1 − x)(1 + x)) only the term with 1 − x grows with the pole at 1
         return [rest * sp.factor(part) for part in sp.Add.make_args(sp.apart(sp.Mul(*whole), near[0]))]
 
     def _near(self, coefficient: sp.Expr) -> set[tuple[sp.Symbol, sp.Expr]]:

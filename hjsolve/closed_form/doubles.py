@@ -42,7 +42,7 @@ _SPARE = 2e-22
 
 
 class FormulasForArrays:
-    """FormulasForArrays of constants and places for arrays, in two doubles with bounds on their errors.
+    """Formulas of constants and places for arrays, in two doubles with bounds on their errors.
 
     Args:
         formulas: in order.
@@ -71,6 +71,7 @@ class FormulasForArrays:
     @staticmethod
     def _bound(error: Pair, zero: Reals) -> Reals:
         found = SECOND_ORDER * abs(error.high) + zero
+        # nan is not a bound: such an element is left to 50 digits
         return np.where(np.isnan(found), np.inf, found)
 
 

@@ -110,6 +110,7 @@ def _solved(
     named: Mapping[str, sp.Symbol],
 ) -> sp.Expr | None:  # fmt: skip
     """Return the root of J = action(unknown) that is right at the regime's example, to 30 digits."""
+    # p_φ is its own action: J is the constant itself
     if action == unknown:
         return J
     if elliptic(action) or action.free_symbols & names.roots:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from hjsolve.closed_form.complete_integrals import Where
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.tidy import linear_in, longer_than
 from hjsolve.functions import CarlsonRJ
 
@@ -49,6 +49,7 @@ class IncompleteIntegrals:
         total = linear_in(expression, lambda i: isinstance(i, INCOMPLETE) and _amplitude(i) is not None)
         if total is None:
             return expression
+        # beyond ±π/2 Π counts half turns, which R_J does not
         moved = {i: A for i, A in total.items() if isinstance(i, sp.elliptic_pi) and self._small(i.args[1])}
         for integral, A in moved.items():
             n, χ, m = integral.args

@@ -19,6 +19,7 @@ from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.arithmetic.running_error import WithErrorBound
 from hjsolve.closed_form.doubles import RootsOfPolynomial, Solved
 from hjsolve.closed_form.programs import Program
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.two_arithmetics import DoublesWithBounds, PairsOfForms
 from hjsolve.errors import InvalidInputError
 
@@ -29,8 +30,6 @@ _FINER = 2.0**-47
 _NEWTON_STEPS = 3
 """Of Newton's rule to a root in two doubles: the double next to it is known, and each step doubles the digits."""
 _PAIRS = DoubleDouble()
-
-Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 
 
 class FormInTwoDoubles:
@@ -72,6 +71,7 @@ class FormInTwoDoubles:
         for roots, index in self._roots.values():
             found, _ = roots.once(table, shape, solved)
             size = abs(found.roots[index])
+            # the form in doubles is given the root as a double, however well it is known
             numbers.append(WithErrorBound(found.roots[index], np.fmax(found.errors[index], EPS * size)))
         error = self._program.run(DoublesWithBounds(), numbers).error
         return np.broadcast_to(0.0 if error is None else error, shape)

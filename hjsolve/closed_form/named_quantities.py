@@ -200,6 +200,7 @@ class NamedQuantities:
         for χ, χ_0 in self._pairs:
             c = value.coeff(χ)
             if c != 0 and not c.has(χ, χ_0) and sp.expand(c + value.coeff(χ_0)) == 0:
+                # c (χ − χ₀) and what is left, which must be free of both: else one of them stands elsewhere, too
                 rest = value - c * χ + c * χ_0
                 if not rest.has(χ, χ_0):
                     value = rest + sp.factor(c) * (χ - χ_0)

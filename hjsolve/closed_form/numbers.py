@@ -14,7 +14,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.regions import DIGITS, holds_place, middle_of, ordered_real_roots
+from hjsolve.closed_form.regions import DIGITS, Where, holds_place, middle_of, with_named
 from hjsolve.closed_form.turns_of_angles import (
     DIGITS_AT_ENDS,
     CountedAngle,
@@ -148,6 +148,7 @@ def _with_turns_passed(
         passed += [(count, own)] if count else []
     places = [(1, inside)]
     for count, own in passed:
+        # at the end itself tan(q/2) is infinite: next to it, and from both sides
         half = own.turn * (sp.S.Half - sp.Integer(10) ** -digits)
         middle, half = (e.xreplace(dict(exact)) for e in (own.middle, half))
         places += [(side * count, inside | {own.symbol: middle + side * half}) for side in (1, -1)]
@@ -226,21 +227,9 @@ def root_values(
     return found
 
 
-def _root_values(
-    where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]], exact: Mapping[sp.Symbol, sp.Expr], digits: int
-) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
-    known = many_digits(exact, digits)
+def _root_values(where: Where, exact: Mapping[sp.Symbol, sp.Expr], digits: int) -> dict[sp.Symbol, mpmath.mpf]:
     with mp.workdps(digits):
-        for symbol, meaning in where.items():
-            rests_on = sp.Tuple(*meaning[0].all_coeffs()) if isinstance(meaning, tuple) else meaning
-            if not rests_on.free_symbols <= known.keys():
-                continue
-            if isinstance(meaning, tuple):
-                polynomial, index = meaning
-                known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
-            else:
-                # names of pairs of conjugate roots are real; the rounding of a square root of a negative number is not
-                known[symbol] = mp.re(number_of(meaning, known))
+        known = with_named(where, many_digits(exact, digits), digits)
     return {symbol: known[symbol] for symbol in where if symbol in known}
 
 

@@ -193,6 +193,7 @@ def piece(
         The piece; None where the motion is at rest or asymptotic in this coordinate.
     """
     made = CoordinateIntegrals(name, sample, numerators, start=start)
+    # of an angle with several wells the variables of the own well of the motion first
     for curve in sorted(found, key=lambda one: not in_its_well(one, sample)):
         missing = [key for key in numerators if key not in made.integrals]
         if not missing:
@@ -465,6 +466,7 @@ def _maps(
     curve: MomentumCurve, roots: NamedRoots, signs: Signs, prefix: str
 ) -> list[EvenMap | LegendreMap | CarlsonMap]:  # fmt: skip
     """Return the maps to Legendre's integrals, the plainest first."""
+    # x² linear in sn² takes two squares of roots, others take differences of all; R_F and R_J take complex pairs, too
     found: list[EvenMap | LegendreMap | CarlsonMap] = []
     P = curve.polynomial
     if P.degree() == 4 and P.coeff_monomial(curve.x**3) == 0 and P.coeff_monomial(curve.x) == 0:

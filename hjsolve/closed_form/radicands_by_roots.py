@@ -12,9 +12,10 @@ from collections.abc import Iterator, Mapping
 
 import sympy as sp
 
-from hjsolve.closed_form.complete_integrals import Where, roots_by_polynomial
+from hjsolve.closed_form.complete_integrals import roots_by_polynomial
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pairs_by_division import remaining_pair
+from hjsolve.closed_form.regions import Where
 from hjsolve.closed_form.tidy import elliptic, longer_than
 
 _LONGEST = 80
@@ -61,6 +62,7 @@ class RadicandsByRoots:
         radicand = sp.Poly(own, x)
         for P, factors in self._factors:
             if radicand.degree() == P.degree():
+                # the same radicand up to a factor, which stays outside of the product over the roots
                 c = radicand.LC() / P.LC()
                 if all(sp.expand(sp.numer(sp.together(a - c * b))) == 0
                        for a, b in zip(radicand.all_coeffs(), P.all_coeffs(), strict=True)):  # fmt: skip

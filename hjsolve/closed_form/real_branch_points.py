@@ -159,6 +159,7 @@ class LegendreIntegrals:
         Args:
             k: the exponent, 0 or 1.
         """
+        # Δ² = 1 − m s, so that m s/Δ = 1/Δ − Δ
         return (self.F - self.E) / self.m if k else self.F
 
     def third(self, n: sp.Expr, k: int) -> sp.Expr:

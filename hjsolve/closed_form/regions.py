@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -20,6 +20,8 @@ from hjsolve.precision import mp
 DIGITS = 50
 """Of roots where only their order is asked."""
 Numbers = Mapping[sp.Symbol, mpmath.mpf]
+Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
+"""Name → its definition: an expression, or (polynomial, index of the real root)."""
 _SAME = mp.mpf(10) ** -22
 """Of themselves, how near two numbers are the same: a double root of coefficients with 50 digits splits by 1e-25 √κ,
 and this leaves six digits to the condition κ. It is one for any number of digits: roots are numbered, and must be as
@@ -116,6 +118,32 @@ def ordered_real_roots(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tu
         digits: to which they are found.
     """
     return _roots_of(_coefficients(polynomial, numbers, digits + 10), digits + 10)[0]
+
+
+def with_named(
+    where: Where, numbers: Numbers, digits: int, real: Callable[[mpmath.mpc], mpmath.mpf] = mp.re
+) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
+    """Return numbers with those of names, as far as what they rest on is known.
+
+    Args:
+        where: name → its definition, each after those that it uses.
+        numbers: of parameters and constants.
+        digits: to which roots are found.
+        real: what is taken of a definition's value. Names of pairs of conjugate roots are real; the rounding of a
+            square root of a negative number is not.
+
+    Raises:
+        IndexError: there are fewer real roots than a name says.
+    """
+    known = dict(numbers)
+    for symbol, meaning in where.items():
+        if isinstance(meaning, tuple):
+            polynomial, index = meaning
+            if sp.Tuple(*polynomial.all_coeffs()).free_symbols <= known.keys():
+                known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
+        elif meaning.free_symbols <= known.keys():
+            known[symbol] = real(number_of(meaning, known))
+    return known
 
 
 def _coefficients(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tuple[mpmath.mpf, ...]:
@@ -394,6 +422,7 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
         if s.closed and abs(place - middle_of(curve, numbers)) > turn / 2 + tolerance:
             return False
         first, last = (number_of(end, numbers) for end in curve.ends)
+        # an end that is not real, as a horizon with a > M: there is no domain, and no place in it
         if mp.im(first) != 0 or mp.im(last) != 0:
             return False
         if not s.closed and not first - tolerance <= place <= last + tolerance:

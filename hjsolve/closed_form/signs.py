@@ -71,6 +71,7 @@ class Signs:
         if known is not None:
             return known
         found = self.there(expression)
+        # the order of named roots is a condition already: a sign that holds them says no more
         if found and not expression.free_symbols & self.named:
             self.decided[sp.factor_terms(expression)] = found
         return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter, get_math_macros
@@ -12,6 +11,7 @@ from sympy.printing.pycode import PythonCodePrinter
 from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.closed_form.regions import Where
 from hjsolve.errors import InvalidInputError
 from hjsolve.functions.c_code import c_source, in_c
 from hjsolve.functions.printing import DOUBLES, Printable
@@ -22,7 +22,6 @@ _DOUBLES_ALONE = (
     "constants are of very different sizes they lose digits without a sign; evaluate() and lambdify() do not.",
 )
 """What whoever has the text alone should know."""
-Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 
 
 class _PythonPrinter(PythonCodePrinter):

@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import sympy as sp
 
+from hjsolve.algebra.factoring import factored as factors_of_polynomial
 from hjsolve.functions import (
     CarlsonRC,
     CarlsonRCIm,
@@ -28,11 +29,8 @@ LONGEST = 150
 """Operations above which a form with elliptic integrals is left as it is."""
 _FACTORED = 80
 """Operations up to which the coefficient of an integral is factored."""
-_MANY_TERMS = 5
-"""Terms of a sum from which on it is looked at before sympy seeks its factors."""
-_LINE = ((2, 43), (3, 41), (5, 61), (7, 59), (11, 73), (13, 67), (17, 53), (19, 79), (23, 47), (29, 83), (31, 71),
-         (37, 89))  # fmt: skip
-"""Slope and start of each letter on a line through their space: primes, so that no few of them add up to others."""
+_MANY_TERMS, _MOST_SYMBOLS = 5, 12
+"""Terms of a sum from which on its factors are sought letter by letter, and letters up to which they are."""
 
 
 def elliptic(expression: sp.Expr) -> bool:
@@ -176,29 +174,9 @@ def factored(total: sp.Expr) -> sp.Expr:
         total: of a form.
     """
     P = total.as_poly() if total.is_Add and len(total.args) >= _MANY_TERMS else None
-    if P is None or not all(g.is_Symbol for g in P.gens) or not _irreducible(P):
+    if P is None or not all(g.is_Symbol for g in P.gens) or len(P.gens) > _MOST_SYMBOLS:
         return sp.factor(total)
-    denominator, P = P.clear_denoms(convert=True)
-    content, P = P.primitive()
-    number, rest = content / denominator, P.as_expr()
-    if P.LC() < 0:
-        number, rest = -number, -rest
-    return number * rest if abs(number) == 1 else sp.Mul(number, rest, evaluate=False)
-
-
-def _irreducible(P: sp.Poly) -> bool:
-    """Return whether a polynomial is seen to have no factors: it has none on a line, and is of full degree there.
-
-    Factors of P are factors on every line; the converse holds on nearly all lines (Hilbert).
-    """
-    if len(P.gens) > len(_LINE) or not (P.domain.is_ZZ or P.domain.is_QQ):
-        return False
-    t = sp.Dummy("t")
-    line = [sp.Poly([slope, start], t) for slope, start in _LINE[: len(P.gens)]]
-    there = sp.Poly(0, t)
-    for powers, c in P.terms():
-        there += c * math.prod((x**n for x, n in zip(line, powers, strict=True)), start=sp.Poly(1, t))
-    return bool(there.degree() == P.total_degree() and there.is_irreducible)
+    return factors_of_polynomial(total, _MOST_SYMBOLS)
 
 
 def in_factors(expression: sp.Expr) -> sp.Expr:

@@ -117,6 +117,7 @@ class PairsOfForms(DoubleDouble):
         if name == "asin":
             return _pair(arcsin(own))
         if name == "acos":
+            # half of the angle by its tangent: next to 1 the difference 1 − x is exact, 1 − x² is not
             half = arctan(((1.0 - own) / (1.0 + own)).root())
             return _pair(2.0 * half)
         if name == "acosh":
@@ -128,6 +129,7 @@ class PairsOfForms(DoubleDouble):
     def atan2(self, y: Pair, x: Pair) -> Pair:
         """Return the angle of a point, by the smaller of both quotients."""
         a, b = TwoDoubles(*y), TwoDoubles(*x)
+        # the greater quotient is infinite on an axis
         flat = abs(np.asarray(y.high)) <= abs(np.asarray(x.high))
         side = np.where(np.asarray(y.high) < 0, -1.0, 1.0)
         top, low = np.where(flat, y.high, x.high), np.where(flat, y.low, x.low)

@@ -20,7 +20,7 @@ from mpmath.calculus.quadrature import GaussLegendre
 
 from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
-from hjsolve.closed_form.regions import RootInterval, ordered_real_roots, place_of_rest
+from hjsolve.closed_form.regions import RootInterval, ordered_real_roots, place_of_rest, with_named
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.precision import mp
 
@@ -287,12 +287,7 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
     with mp.workdps(digits + GUARD):
         if piece.start is not None:
             numbers[piece.start] = number_of(piece.sample.places[piece.name], {})
-        for symbol, meaning in piece.where.items():
-            if isinstance(meaning, tuple):
-                polynomial, index = meaning
-                numbers[symbol] = ordered_real_roots(polynomial, numbers, digits)[index]
-            else:
-                numbers[symbol] = _real(number_of(meaning, numbers))
+        numbers = with_named(piece.where, numbers, digits, _real)
         numbers |= {symbol: _real(number_of(meaning, numbers)) for symbol, meaning in piece.rates.items()}
     return numbers
 

@@ -47,7 +47,7 @@ def test_a_block_on_a_wedge_is_printed_with_its_masses_in_factors():
     assert sp.count_ops(form.time_law.rhs) < 60
 
 
-def test_a_radicand_without_factors_is_seen_on_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_radicand_without_factors_is_seen_without_sympy(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sympy sought factors of Kerr's radicand, with two of its coefficients named, for 16 s in some runs."""
     r, E, M, a, p, P, alpha, c, d = sp.symbols("r E M a p_phi p_t alpha_2 c c_1", real=True)
     radicand = r**4 * (2 * E + P**2) - 4 * E * M * r**3 + 4 * M * r * (a * p * P + alpha) + c + d * r**2
