@@ -1,6 +1,7 @@
 """Which maps of nodes serve motions, by what p² does at their ends.
 
-p² = (q − a)(b − q) S, and S′/S at an end tells how far the zero or pole next to it is; see ``node_maps``.
+p² = (q − a)(b − q) S, and S′/S at an end tells how far the zero or pole next to it is; see ``node_maps``, and
+``kernels.maps_of_ends`` for the choice.
 """
 
 from __future__ import annotations
@@ -10,14 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.kernels.crowding import EVEN
-from hjsolve.ensembles.engine.node_maps import NodeMaps, fitting, views
-
-_NEAR = 3.0
-"""W over the distance of what is next to a turning point, minus 1, from which it counts. Without such a thing p² is
-nearly quadratic, W S′/S ≈ ∓1, and the measure is of the curvature of S alone."""
-_STRETCHED = 16.0
-"""(1 + ρ_d)(1 + ρ_c) from which on nodes are stretched; below, crowded ones do as well."""
+from hjsolve.ensembles.engine.kernels.maps_of_ends import maps_of_ends
+from hjsolve.ensembles.engine.node_maps import NodeMaps
+from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 
 
 class LibrationEnds(NamedTuple):
@@ -40,23 +36,15 @@ class LibrationEnds(NamedTuple):
         return self._replace(bends=self.bends[..., index], even=self.even[index])
 
     def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:
-        """Return the maps of the motions, and how much is seen from below; ``alike``.
+        """Return the maps of the motions, and how much is seen from below.
 
-        Both ends as if like the worse one.
+        Args:
+            width: of the motions.
+            alike: whether both ends are as if like the worse one.
         """
-        found = []
+        n = len(width)
+        kinds, fraction = np.empty((n, 3), dtype=np.int64), np.empty(n, dtype=np.int64)
+        bends, even, W = (np.ascontiguousarray(x) for x in (self.bends, self.even, width))
         with np.errstate(all="ignore"):
-            for (first, bend), sign in zip(self.bends, self.signs, strict=True):
-                # W·|S′/S| at an end is W over the distance of the zero or pole next to it: 1 + ρ_d and 1 + ρ_c
-                ρ = np.abs(width * bend / (sign * first) + 1)
-                found.append(1 + np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
-            lower, upper = (np.maximum(*found),) * 2 if alike else found
-            # 1/k′² = (1 + ρ_d)(1 + ρ_c): below 16 the elliptic map gains less than crowding does
-            stretched = np.where(self.even, np.maximum(lower, upper) ** 2, lower * upper) >= _STRETCHED
-            index = np.where(self.even, EVEN, 0)
-            some = np.flatnonzero(stretched)
-            if len(some):
-                index[some] = self.known.index(fitting(lower[some], upper[some], self.even[some]))
-            # an even motion is seen from one end over half of it, and mirrored
-            fraction = np.where(~self.even, views(self.bends[0, 0], self.bends[1, 0], (lower, upper)), 0)
-        return index, fraction
+            maps_of_ends(bends, self.signs, even, W, MOST_LEVEL, alike, kinds, fraction)
+        return self.known.index(kinds), fraction

@@ -14,9 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
+from hjsolve.arithmetic.number_types import Elementwise, Integers, Reals
 from hjsolve.ensembles.engine import nodes
 from hjsolve.ensembles.engine.kernels.crowding import BARRIER_TOP, CLUSTERINGS, EVEN
+from hjsolve.ensembles.engine.kernels.maps_of_ends import FROM_ABOVE, FROM_BELOW, FROM_MIDDLE
 from hjsolve.ensembles.engine.kernels.types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 from hjsolve.ensembles.engine.strips_of_analyticity import across, barrier_top_disks, covered_strip, disks, squares
@@ -30,17 +31,10 @@ SAMPLES, STRETCHED_SAMPLES, BARRIER_TOP_SAMPLES = 4, 12, 13
 _WIDEST = COUNTS[-1]
 _FIRST = np.concatenate([[0], np.cumsum(COUNTS)])
 """The length of a row of the tables, and where the nodes of each size begin."""
-_WARPED = 5
-"""Elliptic maps have k′ = 2⁻⁵ and less, as k′² = 2^−(i + j): above, their nodes lie as near to the ends as crowded
-ones."""
 _MARGIN = 0.04
 """Distance of the first sample from the turning point, in spacings: p² is 0 at the end itself, and what rounding does
 to it infinitely large. Tested: half and twice of it change no claim of 20 000 orbits by 2 %."""
-_FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
-"""Which end most nodes are seen from; the numbers that the kernels know."""
 _ONE_AT_A_TIME = Lock()
-_TALL = 100.0
-"""How much larger p² may be next to one end than next to the other before that end is only seen from close by."""
 _PART = 0.125
 """The part of the width that is seen from such an end where nothing beyond it gives a scale."""
 
@@ -68,7 +62,7 @@ class NodeMap(NamedTuple):
         return 2 if EVEN <= self.node_map < BARRIER_TOP else 1
 
     def dividing(self, fraction: int) -> float:
-        """(q − a)/(b − q) up to which a motion is seen from its lower end; see ``views``.
+        """(q − a)/(b − q) up to which a motion is seen from its lower end; see ``kernels.maps_of_ends``.
 
         The ratio, not (q − a)/W: next to the upper end that is 1 in doubles from 1 + ρ_c = 2⁵⁴ on.
         """
@@ -81,45 +75,6 @@ class NodeMap(NamedTuple):
         d = 2.0**self.lower - 1
         below = 1 + d * cn2
         return sn2 / below, (1 + d) * cn2 / below
-
-
-def fitting(lower: Reals, upper: Reals, even: Mask) -> Integers:
-    """Return node_map, ``lower`` and ``upper`` of the maps that serve some motions, shape (n, 3).
-
-    Args:
-        lower, upper: 1 + ρ_d and 1 + ρ_c, shape (n,).
-        even: True where the motion is even about its middle, ρ_d = ρ_c.
-    """
-    # 1 + ρ as a power of two: the convergence changes little with it, the integral not at all
-    i, j = (np.rint(np.log2(x)).astype(np.int64) for x in (lower, upper))
-    i, j = np.where(even, np.maximum(i, j), i), np.where(even, np.maximum(i, j), j)
-    # k′² = 2^−(i + j) must be a power of 4, of which there are tables
-    odd = (i + j) % 2
-    i, j = i + odd * (i >= j), j + odd * (i < j)
-    room = 2 * MOST_LEVEL
-    i, j = np.minimum(i, np.where(even, MOST_LEVEL, room)), np.minimum(j, np.where(even, MOST_LEVEL, room))
-    excess = np.maximum(i + j - room, 0)
-    # too near for the tables: the nearer end gives way, and takes more nodes
-    i, j = np.where(i >= j, i - excess, i), np.where(i >= j, j, j - excess)
-    # the fraction of the logarithms of both ends says where in the period nearly all of the motion happens
-    where = np.rint(4 * i / np.maximum(i + j, 1)).astype(np.int64)
-    far = i + j >= 2 * _WARPED
-    return np.stack([np.where(even, EVEN + far, np.where(far, 1 + where, 0)), i, j], axis=1)
-
-
-def views(lower: Reals, upper: Reals, nearby: tuple[Reals, Reals]) -> Integers:
-    """Tell how some motions are divided: 0 in the middle, 1 next to the upper and 2 next to the lower end.
-
-    What is lost at a turning point is small next to p² there, and not where p² is smaller by far. Near escape p² is
-    large far out: only what is nearer to that end than its own scale, W over ``nearby``, is seen from it.
-
-    Args:
-        lower, upper: slopes of p² at the ends.
-        nearby: 1 + ρ_d and 1 + ρ_c.
-    """
-    # p² next to an end goes as far as its own scale W/(1 + ρ), with this slope
-    low, high = (np.abs(slope) / near for slope, near in zip((lower, upper), nearby, strict=True))
-    return np.where(high > _TALL * low, _FROM_BELOW, np.where(low > _TALL * high, _FROM_ABOVE, _FROM_MIDDLE))
 
 
 class NodeMaps:
@@ -138,7 +93,7 @@ class NodeMaps:
         """Return the places of some maps in the tables, which grow where it must be.
 
         Args:
-            maps: as ``fitting`` returns them.
+            maps: as ``kernels.maps_of_ends`` writes them, shape (n, 3).
         """
         kinds = tuple(maps.T)
         places = self._by_kind[kinds]
@@ -297,7 +252,7 @@ def _divided(key: NodeMap) -> tuple[Integers, Reals]:
         middle = _at_half(key, key.dividing(fraction))
         for k, count in enumerate(COUNTS):
             part = middle / np.pi * count
-            whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[fraction](part / VECTOR)
+            whole = {FROM_MIDDLE: np.rint, FROM_BELOW: np.ceil, FROM_ABOVE: np.floor}[fraction](part / VECTOR)
             rounded = VECTOR * int(whole)
             fits = VECTOR <= rounded <= count - VECTOR and not (key.node_map and not key.level)
             split[k, fraction] = rounded if fits else min(max(round(part), 1), count - 1)
