@@ -1,7 +1,7 @@
 """Which maps of nodes serve motions, by what p² does at their ends.
 
 p² = (q − a)(b − q) S, and S′/S at an end tells how far the zero or pole next to it is; see ``node_maps``, and
-``kernels.maps_of_ends`` for the choice.
+``kernels.fitting_maps`` for the choice.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.kernels.maps_of_ends import maps_of_ends
+from hjsolve.ensembles.engine.kernels.fitting_maps import maps_of_ends
 from hjsolve.ensembles.engine.node_maps import NodeMaps
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 
@@ -44,7 +44,7 @@ class LibrationEnds(NamedTuple):
         """
         n = len(width)
         kinds, fraction = np.empty((n, 3), dtype=np.int64), np.empty(n, dtype=np.int64)
-        bends, even, W = (np.ascontiguousarray(x) for x in (self.bends, self.even, width))
+        bends, even, W = np.ascontiguousarray(self.bends), np.ascontiguousarray(self.even), np.ascontiguousarray(width)
         with np.errstate(all="ignore"):
             maps_of_ends(bends, self.signs, even, W, MOST_LEVEL, alike, kinds, fraction)
         return self.known.index(kinds), fraction

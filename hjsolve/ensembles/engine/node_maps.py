@@ -17,7 +17,7 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Elementwise, Integers, Reals
 from hjsolve.ensembles.engine import nodes
 from hjsolve.ensembles.engine.kernels.crowding import BARRIER_TOP, CLUSTERINGS, EVEN
-from hjsolve.ensembles.engine.kernels.maps_of_ends import FROM_ABOVE, FROM_BELOW, FROM_MIDDLE
+from hjsolve.ensembles.engine.kernels.fitting_maps import FROM_ABOVE, FROM_BELOW, FROM_MIDDLE
 from hjsolve.ensembles.engine.kernels.types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 from hjsolve.ensembles.engine.strips_of_analyticity import across, barrier_top_disks, covered_strip, disks, squares
@@ -62,7 +62,7 @@ class NodeMap(NamedTuple):
         return 2 if EVEN <= self.node_map < BARRIER_TOP else 1
 
     def dividing(self, fraction: int) -> float:
-        """(q − a)/(b − q) up to which a motion is seen from its lower end; see ``kernels.maps_of_ends``.
+        """(q − a)/(b − q) up to which a motion is seen from its lower end; see ``kernels.fitting_maps``.
 
         The ratio, not (q − a)/W: next to the upper end that is 1 in doubles from 1 + ρ_c = 2⁵⁴ on.
         """
@@ -93,7 +93,7 @@ class NodeMaps:
         """Return the places of some maps in the tables, which grow where it must be.
 
         Args:
-            maps: as ``kernels.maps_of_ends`` writes them, shape (n, 3).
+            maps: as ``kernels.fitting_maps`` writes them, shape (n, 3).
         """
         kinds = tuple(maps.T)
         places = self._by_kind[kinds]
