@@ -33,7 +33,7 @@ class Tables(NamedTuple):
         first: the places of the first nodes of every size in the next three, shape (sizes + 1,).
         low, high: (q − a)/W and (b − q)/W at the nodes of all sizes in a row, shape (maps, nodes).
         root: |dq/dχ|/W, the same shape.
-        split: how many nodes are seen from the lower end, shape (maps, sizes, 3); see ``node_maps.views``.
+        split: how many nodes are seen from the lower end, shape (maps, sizes, 3); see ``kernels.fitting_maps``.
         places: (q − a)/W, (b − q)/W, |dq/dχ|/W and sin²χ where errors are looked at, equally spaced in χ; and for every
             share the farthest that nodes are seen, from below and from above; shape (maps, 4, most + 6).
         samples: how many of them, shape (maps,).
@@ -76,7 +76,7 @@ class Motions(NamedTuple):
         known: constants, and what else a program knows, shape (n, known).
         uncertainty: bounds on the errors of the constants, shape (n, constants).
         first, least: the map, and the size in the tables, to begin with; a negative size leaves the orbit out.
-        fraction: how much is seen from below; see ``node_maps.views``.
+        fraction: how much is seen from below; see ``kernels.fitting_maps``.
         barrier_top: (q − a)/(b − q) at the crest about which nodes crowd, 1 where there is none.
     """
 
